@@ -33,7 +33,7 @@ from simcore.dem.stability import contact_load, contact_time, steps_needed
 # covers, and each place is taken with the probability TAKEN, which gives five contacts among equal grains. Settled beds
 # of pebbles, plates and rods had means of 4.1 to 6.0.
 PLACES, TAKEN = 12, 5.0 / 12.0
-MOST_PLACES = 24  # a limit for stones among pebbles, whose many contacts have small loads
+MAX_PLACES = 24  # a limit for stones among pebbles, whose many contacts have small loads
 # Share of the bound on the motion of the neighbours (simcore.dem.stability) that enters `expected`; with 0 they are
 # fixed, and 1 is the bound, which enters `cautious`. ASSUME: 0.25. The estimate is then about what whole beds need
 # (docs/explanation/stability.md, "Expected steps").
@@ -88,7 +88,7 @@ def _largest_eigenvalues(load, sets):
 def _random_sets(bases, shape, scale, moving) -> list[_Sets]:
     """Return the same random sets of contacts for each value of `moving`, in place of MOVING.
 
-    They are of at most SAMPLE grains, with neighbours drawn from all grains.
+    At most SAMPLE grains get such contacts; their neighbours are drawn from all grains.
     """
     rng = np.random.default_rng(0)
     volume = np.array([base.volume for base in bases])[shape] * np.prod(scale, axis=1)
@@ -101,7 +101,7 @@ def _random_sets(bases, shape, scale, moving) -> list[_Sets]:
         chance = (radius[grain] + radius) ** 2
         chance /= chance.sum()
         room = _covered(0.5) / (chance @ _covered(radius / (radius + radius[grain])))
-        places = min(round(PLACES * room), MOST_PLACES)
+        places = min(round(PLACES * room), MAX_PLACES)
         contacts = np.maximum(rng.binomial(places, TAKEN, len(sets)), 1)
         total = int(contacts.sum())
         neighbor = rng.choice(len(shape), total, p=chance)

@@ -30,7 +30,7 @@ class SystemEnergy(NamedTuple):
 
     motion: float  # kinetic energy of translation and rotation
     height: float  # of the centres of mass above z = 0
-    springs: float  # of normal and tangential springs
+    springs: float  # of normal and tangential springs, and of twisted patches
 
     @property
     def total(self) -> float:
@@ -270,12 +270,22 @@ class Simulation:
             )
         outside = np.flatnonzero(np.hypot(*bodies.position[:, :2].T) >= self._box.wall_radius)
         if len(outside):
-            raise ValueError(f"Simulation: the centre of mass of body {outside[0]} is outside the cylinder.")
+            distance = np.hypot(*bodies.position[outside[0], :2])
+            raise ValueError(
+                f"Simulation: the centre of mass of body {outside[0]} is {distance:g} m from the z axis, but "
+                f"cylinder_radius is {self._box.wall_radius:g} m. Place the body nearer to the axis, or give a larger "
+                "cylinder_radius."
+            )
         contacts = self.contacts
         radius = np.where(contacts.body < 0, np.inf, bodies.radius[contacts.body]).min(axis=1)
         deep = np.flatnonzero(contacts.overlap > DEEPEST * radius)
         if len(deep):
             a, b = contacts.body[deep[0]]
+            if a == b:
+                raise ValueError(
+                    f"Simulation: body {a} overlaps its own periodic image by {contacts.overlap[deep[0]]:.3g} m, "
+                    f"because width is only {self._box.width:g} m. Give a width that is larger than every body."
+                )
             partner = {-1: "the floor", -2: "the cylinder"}.get(int(b), f"body {b}")
             raise ValueError(
                 f"Simulation: body {a} overlaps {partner} by {contacts.overlap[deep[0]]:.3g} m at the start; the "

@@ -22,7 +22,7 @@ LIMITS = {
 
 
 def check_shapes(shapes):
-    """Return a list of Shape; ValueError unless all are, and there is one."""
+    """Return the shapes as a list; ValueError if it is empty or if one of them is not a Shape."""
     shapes = [shapes] if isinstance(shapes, Shape) else list(shapes)
     for i, shape in enumerate(shapes):
         if not isinstance(shape, Shape):
@@ -76,7 +76,8 @@ def rotations_of(quaternions):
     zero = np.flatnonzero(~(np.abs(quaternions).max(axis=1) > 0.0))
     if len(zero):
         raise ValueError(
-            f"Simulation: orientation of body {zero[0]} is zero; give a quaternion (w, x, y, z), {UPRIGHT} for none."
+            f"Simulation: orientation of body {zero[0]} is zero; give a quaternion (w, x, y, z). {UPRIGHT} is no "
+            "rotation."
         )
     return Rotation.from_quat(quaternions, scalar_first=True)
 

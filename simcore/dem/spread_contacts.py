@@ -28,10 +28,9 @@ class Estimate(NamedTuple):
     """Minimum steps per contact time of a scene, from the form of its grains and the contact law.
 
     With fewer steps than `expected`, the stiffest grains are likely to vibrate: they gain energy until contacts slip or
-    open, and the bed may not come to rest. Between the two values, which include the 40 explicit steps of Rettinger et
-    al. (2022), a mode may be unstable if a small grain is held by many neighbours that are heavier or move against it.
-    Such modes are rare and short, because few grains fit so well; friction and damping remove the energy that they
-    gain.
+    open, and the bed may not come to rest. With a number between the two values a mode may be unstable if a small grain
+    is held by many neighbours that are heavier or move against it. Such modes are rare and short, because few grains
+    fit so well; friction and damping remove the energy that they gain.
     """
 
     expected: float
@@ -43,9 +42,9 @@ def estimate_steps(
 ) -> Estimate:
     """Estimate the minimum steps per contact time of a bed of grains of shape (n,) and scale (n, 3).
 
-    The estimate is the largest over the forms of the grains, with EXPECTED_CONTACTS and CAUTIOUS_CONTACTS, which are
-    more than fit around a grain. Contacts are equally probable on every part of the surface of a grain. time: as in
-    steps_needed.
+    The estimate is the largest over the forms of the grains, for EXPECTED_CONTACTS and CAUTIOUS_CONTACTS contacts, each
+    as stiff as one with a wall. Contacts are equally probable on every part of the surface of a grain, except for
+    polyhedra of few corners. time: as in steps_needed.
     """
     sample = np.unique(np.linspace(0, len(shape) - 1, min(SAMPLE, len(shape))).astype(int))
     parts = [_mean_over_surface(bases[shape[i]], scale[i]) for i in sample]

@@ -288,7 +288,10 @@ def _quadratic(rows, weights):
 
 
 def _traces(bodies, grips, load):
-    """Return a low estimate (n,) of the sum of the eigenvalues of the matrix of each body; patches are left out."""
+    """Return a rough estimate (n,) of the sum of the eigenvalues of the matrix of each body, without patches.
+
+    It has the mean of the moments of inertia of a body, and serves only to select bodies.
+    """
     body = grips.body
     moments = bodies.inertia.sum(axis=1) / 3.0
     arms = (grips.arm**2).sum(axis=1) * bodies.mass[body] / moments[body]

@@ -37,10 +37,11 @@ def compare(packings, cut=None) -> Comparison:
     spheres, and of the grains themselves), coordination, each with *_std_error; D50 [m] by mass, mean FL and EL by
     number, bed_top [m], code: the version that made it.
     differences: group, quantity, difference, std_error, low and high: its interval at the level of 95 %, pairs: number
-    of pairs of equal seed, 0 if the groups have none, or only one and more seeds; the difference is then that of the
-    means. The error is the scatter over pairs or over seeds where a group has several, and the interval is Student's
-    (Welch's for means). Otherwise the error is the sampling error of the single packing, and the interval is normal.
-    settings: empty without specifications. ValueError with fewer than two packings, or if a bed cannot be evaluated.
+    of pairs of equal seed. It is 0, and the difference is that of the means, if the groups share no seed, or only one
+    although one of them has several. The error is the scatter over pairs or over seeds where a group has several, and
+    the interval is Student's (Welch's for means). Otherwise the error is the sampling error of the single packing, and
+    the interval is normal. settings: empty without specifications. ValueError with fewer than two packings, or if a bed
+    cannot be evaluated.
     """
     if len(packings) < 2:
         raise ValueError(f"compare: {len(packings)} packing is given; give at least two")

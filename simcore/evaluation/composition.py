@@ -86,7 +86,10 @@ def separation_warnings(composed) -> list[str]:
 
 
 def _size_at(size, volume, share):
-    """Return the sieve size [m] whose share of finer volume is closest to `share`; 0 if no finer volume is closest."""
+    """Return the sieve size [m] at which the share of the volume that is not coarser is closest to `share`.
+
+    It is 0 if a share of 0 is closest.
+    """
     sizes, index = np.unique(size, return_inverse=True)
     passing = np.concatenate([[0.0], np.cumsum(np.bincount(index, volume))]) / volume.sum()
     return float(np.concatenate([[0.0], sizes])[np.argmin(np.abs(passing - share))])

@@ -25,7 +25,8 @@ def end_cuts(periodic, top, largest, median, cut=None):
     largest: upper bound of the sieve sizes [m]; median: sieve size below which half of the grains' volume is [m]; cut
     [m]: one height for both ends, or a pair for floor and surface. With None, nothing is left out in a cylinder, as in
     Rettinger et al. (2022). In a periodic box it is then the largest sieve size at the floor, and at the surface
-    SURFACE_GRAINS median grains, but at most SURFACE_SHARE of the bed and at least the largest sieve size.
+    SURFACE_GRAINS median grains, but at most SURFACE_SHARE of the bed and at least the largest sieve size. ValueError
+    if a cut is negative or not finite.
     """
     if cut is None and periodic:
         cut = (largest, max(largest, min(SURFACE_GRAINS * median, SURFACE_SHARE * top)))

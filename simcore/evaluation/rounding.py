@@ -6,7 +6,7 @@ MAX_DECIMALS = 4  # for errors that are nearly zero
 
 
 def error_decimals(error, digits=None, max_decimals=MAX_DECIMALS):
-    """Return the number of decimals at which an error has that many significant digits, at most `max_decimals`.
+    """Return the number of decimals at which an error has `digits` significant digits, at most `max_decimals`.
 
     digits: None gives one digit, or two if the first digit is 1, so that rounding changes the error by a quarter at
     most. An error that is zero, negative or not finite has `max_decimals` decimals.

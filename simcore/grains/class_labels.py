@@ -36,7 +36,10 @@ NO_SIZE = re.compile(r"[-–—−]?|inf(?:inity)?|∞", re.IGNORECASE)  # of a 
 
 
 def class_patterns():
-    """Return the regular expressions, in any case, dict by what they recognise; whole texts match, except for phi."""
+    """Return the regular expressions, dict by what they recognise.
+
+    Whole texts match, except for phi, in upper or lower case.
+    """
     patterns = {"name": CLASS_NAME, "label": CLASS_LABEL, "end": OPEN_END, "date": DATE}
     patterns |= {"lower": LOWER_NAME, "upper": UPPER_NAME, "size": SIZE, "no_size": NO_SIZE}
     patterns |= {"lower_sieve": LOWER_SIEVE, "upper_sieve": UPPER_SIEVE}

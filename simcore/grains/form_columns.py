@@ -74,8 +74,8 @@ def recognise_columns(path, header, sample=None, two_axes=False):
 
     header: list of the names of the columns. sample: name of the column of samples; with None it is the first of
     SAMPLE_NAMES that the table has, if any. two_axes: whether the longest and the middle axis suffice. ValueError,
-    which names the file `path`, if the columns of a form are missing, if two columns have the same meaning, or if the
-    units of the axes differ.
+    which names the file `path`, if the columns of a form are missing, if two columns have the same meaning, if a form
+    is in percent, or if the units of the axes differ.
     """
     names = _recognise_forms(path, header)
     kind = _kind(names, two_axes)

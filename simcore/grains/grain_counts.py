@@ -43,8 +43,8 @@ def read_counts(path, header, cells, columns):
         if not 0 <= weights[row] <= MAX_GRAINS:
             raise ValueError(f"{where}: {name} = {weights[row]:g}; a number of grains must be between 0 and 1e12")
     values = list(weights.values())
-    if _number_rows(name, values):
-        return None, [_numbers_rows(name)]
+    if _are_row_numbers(name, values):
+        return None, [_row_numbers_notice(name)]
     whole = all(value.is_integer() for value in values) and not _PERCENT.search(name)
     if whole and may_number_rows(name) and len(values) >= FEWEST_IDS and _rise(values):
         raise ValueError(
@@ -70,19 +70,19 @@ def read_numbers(path, header, cells, columns):
             given = f"{text} in row {row} is no" if text else f"row {row} has no"
             return None, [f"the column {name} is not used, because {given} number of grains"]
     numbers = [int(text) for text in texts]
-    if _number_rows(name, numbers):
-        return None, [_numbers_rows(name)]
+    if _are_row_numbers(name, numbers):
+        return None, [_row_numbers_notice(name)]
     noun = group_noun(header, columns.sample)
     notice = f"the column {name} is the number of grains of each {noun}; FL and EL are assumed to be independent"
     return Counts(dict(zip(texts.index, numbers, strict=True)), True), [notice]
 
 
-def _number_rows(name, values):
-    """Return whether values rise by 1 from row to row, are 1 to N in any order, or 1, 2, 3, ... anew for each sample.
+def _are_row_numbers(name, values):
+    """Return whether values number the rows: they rise by 1, are 1 to N in any order, or begin anew for each sample.
 
-    The latter two hold only of so many rows that numbers of grains would hardly be so by chance. In a column whose name
-    can only be that of a number of grains, such as `count`, this holds of the first too, and the smallest value must be
-    1.
+    The last two need at least FEWEST_IDS rows, because few counts of grains may be so by chance. If the name of the
+    column can only be that of a number of grains, such as `count`, the first needs as many rows too, and the smallest
+    value must be 1.
     """
     if not may_number_rows(name) and min(values) != 1:
         return False
@@ -100,5 +100,5 @@ def _rise(values):
     return all(b > a for a, b in zip(values, values[1:], strict=False))
 
 
-def _numbers_rows(name):
+def _row_numbers_notice(name):
     return f"the column {name} numbers the rows, so it is not used as a number of grains"

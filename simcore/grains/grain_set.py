@@ -73,7 +73,9 @@ def read_grains(path):
         ratios, notes = _ratios_and_notes(data)
         meshes = [_ragged(data, "vertex", "vertices"), _ragged(data, "face", "faces")]
     except (OSError, KeyError) as error:
-        raise ValueError(f"{path} is not a grain set written by write_grains: {error}") from None
+        raise ValueError(
+            f"{path} cannot be read as a grain set ({error}); give a file that write_grains wrote, or make it again"
+        ) from None
     rows = zip(data.grain.values, *meshes, *columns, ratios, notes, strict=True)
     return [
         Grain(

@@ -165,7 +165,10 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
 
 
 def _recognise(path, header):
-    """Return the positions of n, n_error and case (those that exist), and whether the porosities are in per cent."""
+    """Return the positions of n, n_error, case and sieve (those that exist), and whether porosities are in per cent.
+
+    ValueError if n is missing, if two columns have one meaning, or if only one of n and n_error is in per cent.
+    """
     positions, percent = {}, {}
     for meaning, pattern in _COLUMNS.items():
         for position, name in enumerate(header):

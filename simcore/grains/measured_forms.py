@@ -48,10 +48,11 @@ FEWEST_FOR_ERRORS = 5  # grains, from which the errors of their statistics are k
 class Sample:
     """Statistics of a sample over its grains, number-based.
 
-    grains: number of grains measured; 0 if it is unknown, as with weights that are not counts unless only one row has
-    a positive one. If the table has only statistics, those of EQ assume that FL and EL are independent, as in
-    Rettinger et al. (2022). covariance: that of simcore.grains.statistics.few_grains_covariance, or of means_covariance
-    there, as tuples; None if the number of grains is unknown or below FEWEST_FOR_ERRORS, or if all have one form.
+    grains: number of grains measured; 0 if it is unknown, as with weights that are not counts. If only one row has a
+    positive weight of this kind, it is 1. If the table has only statistics, those of EQ assume that FL and EL are
+    independent, as in Rettinger et al. (2022). covariance: that of simcore.grains.statistics.few_grains_covariance, or
+    of means_covariance there, as tuples; None if the number of grains is unknown or below FEWEST_FOR_ERRORS, or if all
+    have one form.
     """
 
     name: str

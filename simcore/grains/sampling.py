@@ -160,7 +160,7 @@ def grain_uniforms(grain_ids, seed, stream=0):
 
 
 def quota_uniforms(curve, number, seed):
-    """Stratified random numbers (number, 8) of all grains of a packing, as of simcore.grains.quota.stratify."""
+    """Return stratified random numbers (number, 8) of all grains of a packing; see simcore.grains.quota.stratify."""
     ids = np.arange(number)
     return stratify(curve, grain_uniforms(ids, seed), grain_uniforms(ids, seed, stream=_QUOTA_STREAM))
 

@@ -9,8 +9,8 @@ from simcore.grains.cell_numbers import check_sheet_error, read_number
 from simcore.grains.row_errors import read_each
 from simcore.grains.sieve_columns import LENGTHS, PAN, PHI, known_unit
 
-LEAST_COARSEST = 63e-6  # [m], opening of the coarsest sieve, below which sizes have a wrong unit or decimal mark
-MOST_COARSEST = 1.0  # [m], size of grains above which it may be in µm
+LEAST_COARSEST = 63e-6  # [m]; if the coarsest sieve is finer, its unit or decimal mark is probably wrong
+MAX_COARSEST = 1.0  # [m]; larger sizes of grains may be in µm
 COMMON_FRACTION = re.compile(r"[1-9]\d* ?/ ?[1-9]\d*")
 WITH_UNIT = re.compile(r"(.*?)\s*([a-zA-Zµμφϕ]+)\.?")
 
@@ -46,9 +46,9 @@ def read_openings(path, header, cells, columns):
 
 
 def notices_of_size(name, openings, passing):
-    """Return a notice if there are grains of more than MOST_COARSEST; name: of the column of openings."""
+    """Return a notice if there are grains of more than MAX_COARSEST; name: of the column of openings."""
     largest = openings[min(np.count_nonzero(passing < 1.0), len(openings) - 1)]
-    if largest <= MOST_COARSEST:
+    if largest <= MAX_COARSEST:
         return []
     return [
         f"there are grains of about {largest * 1e3:g} mm, which are too large for a sieve; the unit of {name} may be µm"

@@ -30,7 +30,7 @@ from simcore.grains.sieve_columns import (
 from simcore.grains.sieve_openings import (
     COMMON_FRACTION,
     LEAST_COARSEST,
-    MOST_COARSEST,
+    MAX_COARSEST,
     WITH_UNIT,
     notices_of_size,
     read_openings,
@@ -77,14 +77,14 @@ class SieveTable:
             if not 0.0 < finest < self.openings[0]:
                 raise ValueError(
                     f"the size of the finest grains, {finest * 1e3:g} mm, is not below the finest sieve, "
-                    f"{self.openings[0] * 1e3:g} mm"
+                    f"{self.openings[0] * 1e3:g} mm; give a smaller one"
                 )
             table = replace(table, openings=np.r_[finest, table.openings], passing=np.r_[0.0, table.passing])
         if coarsest is not None and self.above > 0.0:
             if not coarsest > self.openings[-1]:
                 raise ValueError(
                     f"the size of the coarsest grains, {coarsest * 1e3:g} mm, is not above the coarsest sieve, "
-                    f"{self.openings[-1] * 1e3:g} mm"
+                    f"{self.openings[-1] * 1e3:g} mm; give a larger one"
                 )
             table = replace(table, openings=np.r_[table.openings, coarsest], passing=np.r_[table.passing, 1.0])
         return table
@@ -233,7 +233,7 @@ def table_rules():
         "rounding": ROUNDING,
         "agreement": AGREEMENT,
         "least_coarsest": LEAST_COARSEST,
-        "most_coarsest": MOST_COARSEST,
+        "most_coarsest": MAX_COARSEST,
         "fewest_sums": FEWEST_SUMS,
         "small_step": SMALL_STEP,
         "loss": LOSS,

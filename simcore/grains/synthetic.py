@@ -39,7 +39,7 @@ def synthetic_grains(seed=1, n=63):
     in (0.25, 1], and pass the Shapiro-Wilk test at 0.05. The correlations of log D with both are also those of
     Rettinger et al. The sizes are spread evenly over the seven sieve classes, the numbers of faces log-uniformly over
     FACE_RANGE.
-    ValueError if n < 21, or if n is so large that no such sample is found (about 150).
+    ValueError if n < 21, or if n is so large that no such sample is found (more than about 100).
     """
     if n < 21:
         raise ValueError(f"{n} synthetic grains are too few; at least 21 are needed, three in each sieve class")

@@ -42,7 +42,7 @@ class TextTable:
 
     path: the file. header: names of the columns, with single spaces. cells: DataFrame of str, columns 0, 1, ...; its
     index is the row as a spreadsheet or an editor counts it, from 1. notices: sentences on how the file was read.
-    short: dict from each row of a text file that has fewer fields than the header to the number of its columns.
+    short: dict from each row of a text file that has fewer fields than the header to the number of fields that it has.
     separator: of the columns, "" in a workbook.
     """
 
@@ -58,7 +58,9 @@ class TextTable:
         kept = [position for position in range(len(self.header)) if position not in left_out]
         cells = self.cells if rows is None else self.cells[rows]
         cells = cells[kept].set_axis(range(len(kept)), axis=1)
-        return replace(self, header=[self.header[position] for position in kept], cells=cells)
+        short = {row: sum(position < fields for position in kept) for row, fields in self.short.items()}
+        short = {row: fields for row, fields in short.items() if fields < len(kept)}
+        return replace(self, header=[self.header[position] for position in kept], cells=cells, short=short)
 
 
 def read_table(path):

@@ -12,7 +12,7 @@ _UNIT = (
 _WITHOUT_UNIT = r"[-–—1]"
 _IN_BRACKETS = r"[\[(]?\s*({})\s*[\])]?"
 _NUMBER = r"[-+−<>]?\s*[.,]?\d.*"  # also with a unit, a date, or a class
-MOST_NUMBERS = 1  # in a row of the title, such as a date
+MAX_NUMBERS = 1  # in a row of the title, such as a date
 
 
 def head_patterns():
@@ -28,13 +28,13 @@ def rows_above_header(rows) -> int:
     """Return how many rows of a table are a title above the names of the columns.
 
     rows: list of the texts of each row, without empty rows. The names are in the first row unless a later one is wider,
-    has at least two cells and no number, and the rows above it have at most MOST_NUMBERS each.
+    has at least two cells and no number, and the rows above it have at most MAX_NUMBERS each.
     """
     above = 0
     for i, texts in enumerate(rows):
         names = [text for text in texts if text]
         numbers = sum(map(_is_number, names))
-        if numbers > MOST_NUMBERS:
+        if numbers > MAX_NUMBERS:
             break
         if width(texts) > width(rows[above]) and numbers == 0 and len(names) > 1 and not join_units(names, names):
             above = i

@@ -8,6 +8,7 @@ from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.forces.viscous_friction import CAPPED
 from simcore.dem.from_scene import compose
 from simcore.dem.shapes.polyhedra import collect_shapes
+from simcore.dem.spread_contacts import CAUTIOUS_CONTACTS, EXPECTED_CONTACTS
 from simcore.dem.state.bodies import make_bodies
 from simcore.dem.state.contacts import bytes_per_pair
 from simcore.dem.state.features import PARTS, Features
@@ -131,12 +132,13 @@ def _stability_lines(scene: Scene, expected: Expectation) -> list[str]:
     steps, needed = scene.numerics.steps_per_contact_time, expected.stability
     least = compose(scene).least_steps
     verdict = "more than the cautious estimate"
-    of_expected, of_cautious = "nine contacts spread over the stiffest grain", "twelve"
+    of_expected = f"{EXPECTED_CONTACTS} contacts spread over the stiffest grain"
+    of_cautious = f"{CAUTIOUS_CONTACTS} such contacts"
     if scene.implicit:
         of_expected = "the stiffest grain in random contacts"
         of_cautious = "neighbours that move against it"
     if steps < needed.cautious:
-        verdict = "as many as a bed is expected to need, and fewer than the cautious estimate"
+        verdict = "at least as many as a bed is expected to need, and fewer than the cautious estimate"
     if steps < needed.expected:
         verdict = "fewer than a bed of such grains is expected to need"
     return [

@@ -35,7 +35,7 @@ def check_content(path, packing) -> None:
     if shape not in DOMAINS:
         raise _damaged(path, f"the attribute domain_shape is {shape!r} and not one of {', '.join(DOMAINS)}")
     if not (isinstance(width, Real) and 0.0 < width < np.inf):
-        raise _damaged(path, f"the attribute domain_width is {width!r} and not a width")
+        raise _damaged(path, f"the attribute domain_width is {width!r}, but must be a positive number [m]")
     farthest = FARTHEST * float(width)
     wrong = {name: ~(packing[name].values > 0.0) | np.isinf(packing[name].values) for name in POSITIVE}
     wrong["position"] = ~(np.abs(packing["position"].values) <= farthest).all(axis=1)

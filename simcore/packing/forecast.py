@@ -28,7 +28,7 @@ ONE_CLASS, BY_SPREAD, LARGEST_SOLID, SOLID_RANGE = 0.64, 0.085, 0.8, 0.12
 # and the volume-weighted mean volume v of its grains. ONE_FORM applies to grains of one form in a periodic box,
 # MIXED_FORMS to mixed forms and to cylinders.
 ONE_FORM, MIXED_FORMS = 0.16, 0.23
-BY_QUOTA = 0.5  # factor of the sampling error if the sizes of several sieve classes are drawn by quota
+BY_QUOTA = 0.5  # factor of the sampling error if sizes that may differ much are drawn by quota
 ERROR_FACTOR = 1.6  # nine of ten committed beds of mixed forms are within this factor of the predicted error
 LARGE_ERROR, GOOD_ERROR = 0.015, 0.01  # predicted sampling error that causes a warning, and target of its advice
 NARROW = 4.0  # width of a box in largest grains; no narrower box is advised
@@ -48,7 +48,7 @@ class Grains(NamedTuple):
     total: float  # [m³], volume of all grains of the packing
     largest: float  # [m], upper bound of the sieve sizes
     one_form: bool  # whether all have the same form
-    by_quota: bool = False  # whether they are of several sieve classes, and their sizes are drawn by quota
+    by_quota: bool = False  # whether their sizes may differ much and are drawn by quota
 
     @property
     def mean_volume(self) -> float:
@@ -108,7 +108,7 @@ def grains_of(setup: Setup, sample: GrainSample | None = None) -> Grains:
     flatness, elongation = sample.S / sample.I, sample.I / sample.L
     one_form = max(flatness.std(), elongation.std()) < SAME_FORM
     share = sample.volume / sample.volume.sum()
-    by_quota = setup.by_quota and _has_classes(setup.curve)
+    by_quota = setup.by_quota and _differ_in_size(setup.curve)
     return Grains(sample.D, sample.volume, share, total, setup.curve.largest, bool(one_form), by_quota)
 
 
@@ -123,7 +123,7 @@ def typical_grains(specification: dict) -> Grains:
     volume = sizes**3 * (total / pour.grains * np.sum(share / sizes**3))
     shapes = specification["shapes"]
     one_form = shapes["kind"] == "sphere" or shapes["choice"] not in ("random", "form_distribution", "form_by_size")
-    by_quota = specification["sizes"]["draw"] == "quota" and _has_classes(curve)
+    by_quota = specification["sizes"]["draw"] == "quota" and _differ_in_size(curve)
     return Grains(sizes, volume, share, total, curve.largest, one_form, by_quota)
 
 
@@ -137,8 +137,8 @@ def with_last_batch(grains: Grains, specification: dict) -> Grains:
     return grains._replace(total=grains.total * max(inserted / expected, 1.0))
 
 
-def _has_classes(curve):
-    """Return whether grains of a curve may differ much in size: it has several sieve classes with mass, or none."""
+def _differ_in_size(curve):
+    """Return whether grains may differ much in size: several sieve classes with mass, or sizes without classes."""
     return not isinstance(curve, SieveCurve) or np.count_nonzero(curve.mass_fractions) > 1
 
 

@@ -58,7 +58,8 @@ def launch(
     end as on SIGTERM if the parent process has ended. go_on: what the user should do after a kill, in words.
 
     SIGTERM, SIGINT and SIGHUP are passed to all ranks as SIGTERM; the status is then 75 unless the ranks had finished.
-    After the run this process ignores these signals. ValueError if mpiexec is missing or another run writes `output`.
+    After the run this process ignores these signals. ValueError if `ranks` is below 1, if mpiexec is missing, or if
+    another run writes `output`; OSError if the program cannot be started.
     """
     words = _with_mpiexec(command, ranks, mpiexec)
     # Handlers come before the lock, so that an interruption during the wait for it counts too.

@@ -8,7 +8,7 @@ from simcore.packing.packed import DAMPING, GENERATING, SHAKING
 
 _LINE = re.compile(
     rf"(?P<name>.*): (?P<phase>{GENERATING}|{SHAKING}|{DAMPING}), t = (?P<time>\S+) s, (?P<grains>\d+) grains, "
-    r".*?, (?P<rate>\S+) steps/s, \S+ (?P<left>\S+) s left in this phase"
+    r".*?, (?P<rate>\S+) steps/s, \S+ (?P<left>\S+) s left .*"
 )
 
 
@@ -20,7 +20,7 @@ class ProgressLine(NamedTuple):
     time: float  # [s], simulated
     grains: int  # inserted so far
     rate: float  # steps per second of wall-clock time
-    left: float  # [s], wall-clock time to the end of the phase; to its limit while damping
+    left: float  # [s], wall-clock time to the end of the shaking, or to the limit of damping
 
 
 class Outlook(NamedTuple):

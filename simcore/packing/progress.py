@@ -1,6 +1,6 @@
 """Progress lines at intervals of wall-clock time, which excludes compiling; no result depends on them."""
 
-from simcore.packing.packed import DAMPING, GENERATING, SHAKING
+from simcore.packing.packed import GENERATING, SHAKING
 from simcore.provenance.cpu_time import working_clock
 
 
@@ -13,11 +13,11 @@ class Progress:
         self.last_step = 0
 
     def phase(self, text):
-        """Report the begin of a phase."""
+        """Report a sentence about the packing, such as a warning or the begin of a phase."""
         self.report(f"{self.scene.name}: {text}")
 
     def resume(self, step):
-        """Take the rate from this step on, which was not reached by this process but read from a checkpoint."""
+        """Begin to measure the rate at this step, which was read from a checkpoint and not reached by this process."""
         self.last_time, self.last_step = working_clock(), step
 
     def line(self, phase, step, dt, n_bodies, observed, end):
@@ -28,12 +28,15 @@ class Progress:
             return
         rate = (step - self.last_step) / elapsed
         self.last_time, self.last_step = now, step
-        shaking_left = 0 if phase == DAMPING else self.scene.shaking.duration / dt
-        left = (end - step if end is not None else shaking_left) / rate
+        # When grains will all be inserted is not known, but at least the shaking after that is left.
+        left = (end - step if end is not None else self.scene.shaking.duration / dt) / rate
         # The end of damping is a limit that is seldom reached.
-        estimate = {GENERATING: f"> {left:.0f} s", SHAKING: f"about {left:.0f} s"}.get(phase, f"< {left:.0f} s")
+        estimate = {
+            GENERATING: f"> {left:.0f} s left with the shaking",
+            SHAKING: f"about {left:.0f} s left in this phase",
+        }.get(phase, f"< {left:.0f} s left in this phase")
         self.report(
             f"{self.scene.name}: {phase}, t = {step * dt:.3f} s, {n_bodies} grains, kinetic energy "
             f"{observed.kinetic_energy:.2e} J, mean overlap {observed.mean_overlap:.1e} m, {rate:.0f} steps/s, "
-            f"{estimate} left in this phase"
+            f"{estimate}"
         )

@@ -22,7 +22,7 @@ ROUNDING = 1e-9  # share of the kinetic, spring and height energy that may be ro
 
 
 class NotFinite(NamedTuple):
-    """A grain whose position or velocity is not finite."""
+    """A grain whose position or angular momentum is not finite."""
 
     grain: int
 
@@ -129,7 +129,8 @@ def pinched(bodies: Bodies, ranks) -> np.ndarray:
 def total_energy(bodies: Bodies, candidates: CandidatePairs, law, drive, ranks):
     """Return the TotalEnergy of all ranks, and the kinetic and spring energy (k,) [J] of each own body.
 
-    Both are of the time of the last force evaluation, with the mean of the velocities before and after it.
+    Positions are those of the last force evaluation, and velocities the mean of those before and after it. The energy
+    of rotation is that after the step.
     """
     back = drive.dt / drive.damping
     velocity = bodies.velocity / drive.damping - 0.5 * drive.dt * bodies.net_force / bodies.mass[:, None]
@@ -155,7 +156,8 @@ def check_energy(bodies: Bodies, candidates: CandidatePairs, before: TotalEnergy
     Contacts only dissipate energy, so the mechanical energy grows by at most the work of shaking: ∫ a(t) P dt with the
     momentum P <= M V along the shaking. V is the speed that corresponds to all kinetic and spring energy; shaking and
     fall limit its growth. The work is therefore at most M U (V + U + g T) with U = ∫ |a| dt over the time T. The error
-    of the time step is added as a share of the kinetic and spring energy. before: None after bodies were added.
+    of the time step is added as a share of the kinetic and spring energy. Two small amounts are allowed too: a lift of
+    all grains by LIFT of their half thickness, and ROUNDING. before: None after bodies were added.
     """
     drive, time = interval.drive, interval.time
     now, moving = total_energy(bodies, candidates, interval.composition.law, drive, ranks)
@@ -177,11 +179,11 @@ def check_energy(bodies: Bodies, candidates: CandidatePairs, before: TotalEnergy
 
 
 def deepest_overlap(candidates: CandidatePairs, thickness, ids, counted=None):
-    """Return (overlap [m], (thinner, other), ratio) of the contact with the largest ratio.
+    """Return (overlap [m], (row of the thinner body, row of the other), ratio) of the contact with the largest ratio.
 
     ratio: overlap over the thinner grain's half thickness. thickness (n,) [m]: half thickness of each grain. ids (n,):
     of two equally thick grains, the one with the lower id counts as thinner. counted (n,) bool: only contacts whose
-    thinner grain is marked are considered; None: all. A wall is grain -1. Without contacts: (0, (-1, -1), 0).
+    thinner grain is marked are considered; None: all. The row of a wall is -1. Without contacts: (0, (-1, -1), 0).
     """
     contacts, walls = candidates
     counted = np.ones(len(thickness), bool) if counted is None else counted

@@ -14,8 +14,8 @@ from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
 DENSITY = 2650.0  # [kg/m³], of quartz; the default of material.density
-# Width and height of the bed in the largest sieve size, of which at least 5 and 6 are advised
-# (examples/sieve_and_form.yaml), and height of the domain in that of the bed, and at least [m].
+# The bed is WIDTH largest sieve sizes wide and HEIGHT high; at least 5 and 6 are advised.
+# The domain is DOMAIN times as high as the bed, and at least LEAST_DOMAIN [m].
 WIDTH, HEIGHT, DOMAIN, LEAST_DOMAIN = 5.0, 10.0, 2.5, 1.0
 # Beds are made as those to which the model of size and form is fitted (config/size_and_form.yaml).
 FACES, SPEED = 300, 3.0  # [m/s]
@@ -27,7 +27,7 @@ generation:
   drop_height: 20 mm
   velocity_z: {-SPEED:g} m/s
 shaking: {{duration: 1 s}}"""
-# The mass contains at least this number of grains of the coarsest class, of which 5 are required.
+# Minimum number of grains of the coarsest class in the mass; a specification needs at least 5.
 LARGEST_GRAINS = 8
 MANY = 100_000  # grains above which a packing takes days on one core
 TOO_MANY = 5e6  # grains above which no specification is written

@@ -73,7 +73,7 @@ class Watch:
         watch_state.checks += 1
 
     def check_finite(self, bodies: Bodies, step: int) -> None:
-        """Raise PackingError if a position is not finite."""
+        """Raise PackingError if a position or an angular momentum is not finite."""
         self._stop_for(check_finite(bodies, self.ranks), step, None)
 
     def stability(self, watch_state: WatchState, expected: Estimate | None) -> Stability:

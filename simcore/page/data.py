@@ -77,7 +77,7 @@ def _reading():
     """Return what the reader of tables needs."""
     return {
         "patterns": all_patterns(),
-        "head": {"patterns": table_head.head_patterns(), "most_numbers": table_head.MOST_NUMBERS},
+        "head": {"patterns": table_head.head_patterns(), "most_numbers": table_head.MAX_NUMBERS},
         "labels": label_patterns(),
         "date": cell_numbers.DATE.pattern,
         "longest": measured_forms.LONGEST,

@@ -9,6 +9,6 @@ def check_height(domain: Domain, mass: float, density: float) -> None:
     if solid > domain.height:
         raise ValueError(
             f"domain.height: {mass:.3g} kg of grains would fill a {domain.type} domain {domain.width * 1e3:g} mm wide "
-            f"to {solid * 1e3:.0f} mm without a pore, above its {domain.height * 1e3:g} mm; make it higher or "
-            f"wider, or pour less"
+            f"to {solid * 1e3:.0f} mm without a pore, above its {domain.height * 1e3:g} mm; make "
+            "domain.height or domain.width larger, or reduce amount"
         )

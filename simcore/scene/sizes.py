@@ -1,6 +1,6 @@
 """Builds the size distribution of a specification and checks it: number of grains, grains in the coarsest class.
 
-Computes the spacing of the lattice of insertion, too, as it depends on the largest size.
+It also computes the spacing of the lattice of insertion, which depends on the largest size.
 """
 
 import functools
@@ -20,7 +20,7 @@ UPRIGHT_REACH = 1.05 * np.sqrt(2.0)
 
 @functools.cache  # each packing of a campaign needs them
 def all_cases():
-    """Return the cases of Rettinger et al. (2022), then those of the study of sizes and form, dict of name to Case."""
+    """Return a dict from name to Case: those of Rettinger et al. (2022), then those of the model of size and form."""
     return read_cases(CONFIG / "cases.tsv") | read_cases(CONFIG / "curves.tsv", "mean_volume")
 
 

@@ -7,6 +7,7 @@ x-unit       marks a quantity: text with a unit in YAML, a float in SI once it i
 x-error      message that replaces that of a rule
 x-hint       text that is added to the message of a bound
 x-used-with  settings without which a key has no effect (unused.py)
+x-shared     marks a key that studies may share even if only some of them use it (unused.py)
 x-renamed    former names of keys or choices, which are refused with the present name
 x-presets    marks a key at the top level that selects a group of settings in the file named; settings that are given
              override those of the group

@@ -112,7 +112,7 @@ def test_files_that_cannot_be_read_give_an_error_of_one_line(made, tmp_path):
         (lambda packing: packing.attrs.update(domain_shape="Periodic"), "the attribute domain_shape is 'Periodic' and"),
         (
             lambda packing: packing.attrs.update(domain_width=0.0),
-            "the attribute domain_width is .* and not a width",
+            "the attribute domain_width is .* but must be a positive number",
         ),
         (lambda packing: packing.attrs.update(domain_width="25 mm"), "the attribute domain_width is '25 mm' and not a"),
         (lambda packing: packing["scale"].values.__setitem__((5, 0), np.nan), "scale of grain 5 is"),

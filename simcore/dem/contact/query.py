@@ -188,10 +188,14 @@ def _query(shapes, index_a, position_a, orientation_a, index_b, position_b, orie
     table, _ = table_of(shapes)
     n = len(position_a)
     if not len(index_a) == len(index_b) == len(position_b) == n:
-        raise ValueError("query_many: give the same number of indices and poses for a and for b.")
+        raise ValueError(
+            f"query_many: there are {len(index_a)} indices and {n} poses for a, and {len(index_b)} and "
+            f"{len(position_b)} for b; give the same number of each."
+        )
     index = np.stack([index_a, index_b], axis=1).ravel()
     if len(index) and not (0 <= index.min() and index.max() < len(shapes)):
-        raise IndexError(f"query_many: the indices of shapes must be 0 to {len(shapes) - 1}.")
+        wrong = index[(index < 0) | (index >= len(shapes))][0]
+        raise IndexError(f"query_many: there is no shape {wrong}; give indices from 0 to {len(shapes) - 1}.")
     rotation = rotation_matrix(np.stack([orientation_a, orientation_b], axis=1).reshape(-1, 4))
     solids = place_solids(shapes, index, rotation)
     center = np.einsum("nij,nj->ni", rotation, np.array([shape.center for shape in shapes])[index])

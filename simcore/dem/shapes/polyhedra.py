@@ -69,7 +69,7 @@ def _rings(base: Base):
         if u != start_neighbor:
             raise ValueError(
                 f"shape {base.name}: the faces around vertex {v} do not close. The surface of the polyhedron must be "
-                "closed and all faces must be outward."
+                "closed, and the corners of all faces must be counterclockwise as seen from outside."
             )
         start[v + 1] = len(ring)
     return start, np.array(ring, np.int64)

@@ -72,7 +72,7 @@ class Contacts(NamedTuple):
     body_b: np.ndarray  # (m,) int32
     image: np.ndarray  # (m, 2) int32: the partner is body b shifted by image × width; periodic
     touching: np.ndarray  # (m,) uint8
-    pending: np.ndarray  # (m,) uint8, within a step: the remembered contact is not sufficient, a search must follow
+    pending: np.ndarray  # (m,) uint8, within a step: a search must follow the check; not for spheres
     direction: np.ndarray  # (m, 3), remembered: last normal or separating direction; zero if there is none
     facet: np.ndarray  # (m, 6) int32, remembered: vertices a0 a1 a2 b0 b1 b2, -1 for none; polyhedra, mixed
     apart_at: np.ndarray  # (m, 3) [m], remembered: relative position at the last certain gap; not for spheres

@@ -22,7 +22,10 @@ class TouchingContacts(NamedTuple):
 
 
 def touching_contacts(bodies: Bodies, candidates: CandidatePairs) -> TouchingContacts:
-    """Return the contacts of a state whose forces have been evaluated; points and images as centres, not wrapped."""
+    """Return the contacts of a state whose forces have been evaluated.
+
+    Points and images refer to the stored centres, which are not wrapped into the periodic box.
+    """
     contacts, walls = candidates
     p = np.flatnonzero(contacts.touching)
     a, b = contacts.body_a[p], contacts.body_b[p]

@@ -15,8 +15,8 @@ force is known. The order is that of (partner, image) here as well, because the 
 The exception is a pair that is listed through several images, whose order for b is the reverse; with such pairs a
 single thread stores the forces as several do. After each block it moves the bodies whose contacts are done: those
 below body a of the next row, because all later rows have higher bodies. It stores forces, net forces and, of spheres,
-overlaps and points only in the last of the requested steps. A call that ends early, because the neighbour list is no
-longer valid, leaves those of a former call; Process does not pass them on.
+overlaps, directions and points only in the last of the requested steps. A call that ends early, because the neighbour
+list is no longer valid, leaves those of a former call; Process does not pass them on.
 """
 
 from functools import cache
@@ -66,7 +66,7 @@ class Drive(NamedTuple):
     shaking: float  # [m/s²], amplitude of the horizontal acceleration; 0 without shaking
     shaking_rate: float  # [1/s], angular frequency
     damping: float  # factor on the velocities after each step; 1 without damping
-    width: float  # [m], of the periodic box; 0 in a cylinder
+    width: float  # [m], of the periodic box; 0 if the domain is not periodic
     wall_radius: float  # [m], of the cylinder
 
 

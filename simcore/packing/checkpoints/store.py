@@ -20,10 +20,11 @@ class Store:
     """The checkpoints of one scene in a folder, which other scenes may share.
 
     key: of the scene (`scene_key`), letters and digits. code: version of the code. report(line): called for each
-    checkpoint that is rejected. lock: True for the one process that writes: the store then makes the folder, locks the
-    key until it is closed or its process ends, and removes incomplete files of a killed run. Without the lock the store
-    changes nothing until it saves. CheckpointError if another process has locked the key, or if the folder cannot be
-    made or written.
+    checkpoint that is rejected, and for files that cannot be locked or removed. lock: True for the one process that
+    writes: the store then makes the folder, locks the key until it is closed or its process ends, and removes
+    incomplete files of a killed run. Without the lock the store changes nothing until it saves. CheckpointError if
+    another process has locked the key, or if the folder cannot be made or written; ValueError if the key has other
+    characters.
     """
 
     def __init__(self, folder, key: str, code: str, report: Callable[[str], None], lock: bool = True):

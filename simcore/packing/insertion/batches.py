@@ -46,7 +46,8 @@ class Pouring:
     def has_space(self, inserted: int, top: float, highest: Callable, last: bool = False) -> bool:
         """Return whether there is space for a batch above `top` [m] after `inserted` grains.
 
-        last: also accept a batch that is only one layer of the lattice. highest() -> height of the highest centre and
+        last: also accept a batch of one layer (placement "lattice" with fill "bed") or of one grain (placement
+        "filled"); otherwise it has no effect. highest() -> height of the highest centre and
         largest bounding radius [m]; called only for fill "r22".
         """
         generation, height = self.scene.generation, self.scene.domain.height
@@ -107,7 +108,8 @@ class Pouring:
         if low + height > scene.domain.height:
             raise PackingError(
                 f"{scene.name}: a batch of {len(ids)} grains needs the height from {low:.3g} m to {low + height:.3g} "
-                f"m, but domain.height is {scene.domain.height:g} m. Lower batch_grains or raise domain.height"
+                f"m, but domain.height is {scene.domain.height:g} m. Lower generation.batch_grains, or raise "
+                "domain.height"
             )
         places = self._free_places(ids, drawn, reach, (low, height), touching)
         interval = generation.batch_interval
@@ -200,7 +202,10 @@ class Pouring:
 
 
 def extents(bases: list[Base], drawn: Draw, any_orientation: bool):
-    """Return the horizontal and vertical distance (n,), (n,) [m] that inserted grains reach from their centre."""
+    """Return the horizontal and vertical distance (n,), (n,) [m] that inserted grains reach from their centre.
+
+    any_orientation: both are the radius of the bounding sphere.
+    """
     if any_orientation:
         radius = np.zeros(len(drawn.shape))
     reach = np.zeros(len(drawn.shape))

@@ -370,7 +370,7 @@ const SieveTable = (() => {
       if (!(finest > 0 && finest < openings[0])) {
         throw new InputError(
           `${name}: the size of the finest grains, ${general(finest)} mm, is not below the finest sieve, ` +
-            `${general(openings[0])} mm`
+            `${general(openings[0])} mm; give a smaller one`
         );
       }
       [openings, passing] = [[finest, ...openings], [0, ...passing]];
@@ -379,7 +379,7 @@ const SieveTable = (() => {
       if (!(coarsest > openings.at(-1))) {
         throw new InputError(
           `${name}: the size of the coarsest grains, ${general(coarsest)} mm, is not above the coarsest sieve, ` +
-            `${general(openings.at(-1))} mm`
+            `${general(openings.at(-1))} mm; give a larger one`
         );
       }
       [openings, passing] = [[...openings, coarsest], [...passing, 1]];

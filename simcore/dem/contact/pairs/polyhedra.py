@@ -3,9 +3,10 @@
 In one step a grain moves about 1e-4 of its size. The remembered contact of an overlapping pair is the three support
 pairs of its facet of the Minkowski difference. The check computes the plane of the facet again and climbs the edge
 graphs from its vertices. If no support point is beyond the plane, the projection of the origin is well inside and the
-overlap is not so deep that the far side may be nearer, the facet is still the minimum of the overlap. Otherwise the
-pair is searched anew. For a pair apart the simplex nearest to the origin is remembered. The pair is not checked before
-the bodies can have closed the gap; the same simplex then mostly still shows a gap.
+overlap is not so deep that the far side may be nearer, the facet is taken as the minimum of the overlap; the test of
+the far side is no proof (docs/explanation/constants_contact.md). Otherwise the pair is searched anew. For a pair apart
+the simplex nearest to the origin is remembered. The pair is not checked before the bodies can have closed the gap; the
+same simplex then mostly still shows a gap.
 """
 
 from typing import NamedTuple

@@ -1,8 +1,8 @@
 """Contacts of a convex polyhedron and an ellipsoid by their common normal.
 
 Because the ellipsoid is smooth, the contact is a point that moves continuously, also where the ellipsoid rolls from a
-face over an edge; there is no patch contact. The contact point is the point of the ellipsoid along the normal, because
-that of the polyhedron is less certain on flat faces.
+face over an edge; there is no patch contact. The contact point is midway between the two surfaces, on the line along
+the normal through the point of the ellipsoid, because that of the polyhedron is less certain on flat faces.
 
 The remembered contact consists of the normal and the corner, edge or face of the polyhedron that is touched. They
 change little within a step. The normal of a face follows from its vertices, that of an edge or a corner from one or two

@@ -19,7 +19,7 @@ from simcore.dem.vectors import Vec, cross, dot, length, minus, negative, over, 
 
 MAX_VERTICES = 128  # a capacity (docs/explanation/constants_contact.md#capacities-and-bounds-of-iterations)
 TOLERANCE = 1e-12  # of the pair's size: how far M may extend beyond a face that is accepted as a facet of M
-FLAT = 1e-9  # of the size³: a tetrahedron of less volume is not used as a start
+FLAT = 1e-9  # of the size³: a tetrahedron with less than this as six times its volume is not used as a start
 
 _take_polytope = polytope_scratch(MAX_VERTICES, 2 * MAX_VERTICES)
 

@@ -45,7 +45,10 @@ def _weigh_triangle(simplex):
 
 @leaf
 def _project_facet(shapes, f, facet, normal, simplex):
-    """Store the weights of the facet's point nearest to the origin's projection along the normal; return as above."""
+    """Store the weights of the facet's point nearest to the origin's projection along the normal.
+
+    Return the number of points with a weight.
+    """
     v = simplex.vertices
     v[0, 0], v[1, 0], v[2, 0] = facet.a0, facet.a1, facet.a2
     v[0, 1], v[1, 1], v[2, 1] = facet.b0, facet.b1, facet.b2
