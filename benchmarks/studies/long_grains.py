@@ -85,7 +85,7 @@ def divided(rows, misfit, grains, wide):
 
 
 def summarised(table):
-    """Return the mean, its standard error, whether it is found, and the share of TOTAL of each part of `divided`."""
+    """Return mean, standard error, whether it is significant, and share of TOTAL of each part of `divided`."""
     values, number = table[list(PARTS)], table[list(PARTS)].count()
     error = values.std() / np.sqrt(number)
     limit = [student_quantile(0.95, count - 1) if count > 1 else np.nan for count in number]
@@ -96,7 +96,7 @@ def summarised(table):
             "sets": number,
             "mean": values.mean(),
             "standard error": error,
-            "found": values.mean().abs() > np.array(limit) * error,
+            "significant": values.mean().abs() > np.array(limit) * error,
             "share": share,
         }
     )

@@ -80,7 +80,7 @@ def test_the_parts_of_the_difference_add_up():
     assert summary["share"]["grains"] == pytest.approx(0.02 / 0.045)
     assert summary["mean"]["misfit"] == pytest.approx(-0.008)
     assert summary["standard error"]["misfit"] == pytest.approx(0.002)
-    assert not summary["found"]["misfit"]  # 0.008 is 4 standard errors of two sets, and 12.7 are needed
+    assert not summary["significant"]["misfit"]  # 0.008 is 4 standard errors of two sets, and 12.7 are needed
     shares = summary["share"][["faces", "grains", "width", "misfit", "open"]]
     assert shares.sum() == pytest.approx(1.0)
 
@@ -126,7 +126,7 @@ def test_the_page_has_the_parts_of_the_difference():
     for part in ("faces", "grains", "misfit"):
         cells = [
             f"{values['mean'][part]:+.4f} ± {values['standard error'][part]:.4f}, "
-            f"{'found' if values['found'][part] else 'not found'} | {values['share'][part]:.2f}"
+            f"{'significant' if values['significant'][part] else 'not significant'} | {values['share'][part]:.2f}"
             for values in judged
         ]
         assert " | ".join(cells).replace("-", "−") in page, part
@@ -148,7 +148,7 @@ def test_the_page_has_the_parts_and_the_porosities_of_the_wide_boxes():
         sign = "+" if part == "open" else ""
         cells = [
             f"{with_decimals(of['mean'][part], 4, sign)} ± {of['standard error'][part]:.4f}, "
-            f"{'' if of['found'][part] else 'not '}found | {of['share'][part]:.2f}"
+            f"{'' if of['significant'][part] else 'not '}significant | {of['share'][part]:.2f}"
             for of in parts
         ]
         assert f"| {title} | {' | '.join(cells)} |" in page

@@ -115,7 +115,7 @@ def test_results_against_experiments_and_known_outcomes(tables):
         pytest.approx(spheres.n_std_error, abs=5e-4),
     ]
     inside = pd.read_csv(REFERENCE / "verification_packings.csv").inside
-    assert row("Packings whose result is known")[0] == [inside.sum(), len(inside)]
+    assert row("Values of packings that are known")[0] == [inside.sum(), len(inside)]
     forms = pd.read_csv(REFERENCE / "single_form.csv").query("case == 'U1' and source == 'synthetic'")
     cpu = forms[forms.representation == "polyhedron"].cpu_s.mean()
     assert row("CPU time of a packing of one form, 1200 grains")[0] == [pytest.approx(cpu, abs=0.5)]

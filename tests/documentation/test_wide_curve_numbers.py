@@ -75,11 +75,12 @@ def test_pairs_of_B50():
 def test_beds_with_the_settings_of_r22():
     rows = pd.read_csv(REFERENCE / "difference_wide.csv")
     compared = compare_r22(COST, rows)
-    differences = "by {:.4f}, {:.4f} and {:.4f}".format(*-compared["difference"])
-    assert f"looser than `wide_random` with the same grains, {differences}." in " ".join(PAGE.split())
+    differences = ", ".join(f"{-difference:+.4f}" for difference in compared["difference"])
+    assert f"| `wide_random`, shaken for 2 s | {differences} |" in PAGE
     n = rows.pivot_table(index="seed", columns=["polyhedron_contact", "steps_per_contact_time"], values="n")
     change = n["point", 40] - n["patch", 10]
     assert f"| +{change.mean():.4f} ± {change.sem():.4f} | {len(change)} |" in CYLINDER
+    assert f"| patches and ten implicit steps, shaken for 1 s | +{change.mean():.4f} in the mean |" in PAGE
     for parts in (n["point", 10] - n["patch", 10], n["point", 40] - n["point", 10]):
         assert "| {} | 2 |".format(", ".join(f"{part:+.4f}" for part in parts.dropna())) in CYLINDER
 
@@ -197,8 +198,8 @@ def test_scatter_of_small_beds_of_mixed_forms():
     page = (ROOT / "docs" / "explanation" / "porosity.md").read_text(encoding="utf-8")
     table = scatter_table(read_tables())
     (row,) = table[table["case"] == "U1, distributions of form"].itertuples()
-    assert f"scatter by {row.std:.4f}, and the beds state {row.stated:.4f}: chi-squared is {row.chi2:.1f}" in page
-    assert f"within the limits of {row.chi2_lower:.1f} and {row.chi2_upper:.1f}" in page
+    assert f"scatter by {row.std:.4f}." in page and f"| now | {row.stated:.4f} | {row.chi2:.1f} |" in page
+    assert f"set its limits, {row.chi2_lower:.1f} and {row.chi2_upper:.1f}," in " ".join(page.split())
     assert row.chi2_lower < row.chi2 < row.chi2_upper
 
 
@@ -212,7 +213,9 @@ def test_beds_that_a_rain_makes_denser_and_looser_than_the_model_of_lattices():
         PAGE.split()
     )
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    assert f"long grains up to {most} denser, and of flat grains up to {least} looser" in readme
+    assert f"long grains are up to {most} denser than predicted, and flat grains up to {least} looser" in readme
+    findings = " ".join((ROOT / "docs" / "reference" / "findings.md").read_text(encoding="utf-8").split())
+    assert f"differ by up to {max(most, least)}:" in findings and f"long grains are denser by up to {most}." in findings
 
 
 def test_rate_explains_most_of_what_elongation_does_on_lattices():
