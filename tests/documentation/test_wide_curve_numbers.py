@@ -284,3 +284,14 @@ def test_variance_by_quota_over_all_sets_and_the_independent_seeds():
     later = COST.query("case == 'B50' and seed >= 5").groupby("settings")
     chi2 = {name: (rows.n.var() * (len(rows) - 1)) / (rows.n_error**2).mean() for name, rows in later}
     assert f"{chi2['wide_both_random']:.1f} at random and {chi2['wide_both']:.1f} by quota" in words
+
+
+def test_boxes_of_wide_curves():
+    page = (ROOT / "docs" / "appendices" / "process.md").read_text(encoding="utf-8")
+    theirs = pd.read_csv(REFERENCE / "r22" / "table7_domain_size.csv").set_index(["case", "width_m"])
+    for row in pd.read_csv(REFERENCE / "domain_size.csv").itertuples():
+        other = theirs.loc[row.case, row.width_m] if (row.case, row.width_m) in theirs.index else None
+        compared = "" if other is None else f"{other.n:.3f} ± {other.n_std:.3f} "
+        size = f"| {row.case} | {1e3 * row.width_m:.0f} mm | {row.mass_kg:g} kg | {row.grains}"
+        assert f"{size} | {row.n:.3f} ± {row.n_error:.3f} | {compared}|" in page
+    assert theirs.loc["U7"].n.max() - theirs.loc["U7"].n.min() < 1e-3
