@@ -36,8 +36,8 @@ def test_wrong_files_are_refused(tmp_path):
     with pytest.raises(ValueError, match="does not exist"):
         read_grains(tmp_path / "none.nc")
     (tmp_path / "text.nc").write_text("no netCDF")
-    with pytest.raises(ValueError, match="not a grain set"):
+    with pytest.raises(ValueError, match="cannot be read as a grain set"):
         read_grains(tmp_path / "text.nc")
     xr.Dataset({"a": 1}).to_netcdf(tmp_path / "other.nc")
-    with pytest.raises(ValueError, match="not a grain set"):
+    with pytest.raises(ValueError, match="cannot be read as a grain set"):
         read_grains(tmp_path / "other.nc")

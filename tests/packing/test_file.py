@@ -114,7 +114,7 @@ def test_files_that_cannot_be_read_give_an_error_of_one_line(made, tmp_path):
             lambda packing: packing.attrs.update(domain_width=0.0),
             "the attribute domain_width is .* but must be a positive number",
         ),
-        (lambda packing: packing.attrs.update(domain_width="25 mm"), "the attribute domain_width is '25 mm' and not a"),
+        (lambda packing: packing.attrs.update(domain_width="25 mm"), "domain_width is '25 mm', but must be a positive"),
         (lambda packing: packing["scale"].values.__setitem__((5, 0), np.nan), "scale of grain 5 is"),
         (
             lambda packing: packing["contact_overlap"].values.__setitem__(2, np.nan),
