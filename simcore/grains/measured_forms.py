@@ -214,10 +214,10 @@ def _leave_out_summaries(path, cells, columns):
 
 def _read_forms(where, table, texts, columns, row):
     """Return the numbers in the columns of the form in one row, list of float."""
-    fields = table.short.get(row, len(table.header))
-    if max(columns.forms.values()) >= fields:
+    has, fields = table.short.get(row, (len(table.header), None))
+    if max(columns.forms.values()) >= has:
         raise ValueError(
-            f"{where}: the row has {fields} fields, but the header has {len(table.header)}; "
+            f"{where}: the row has {fields} fields, but the header has {table.columns_of_file or len(table.header)}; "
             f"{advice_on_fields(table.separator)}"
         )
     for name, position in columns.forms.items():

@@ -42,7 +42,8 @@ class TextTable:
 
     path: the file. header: names of the columns, with single spaces. cells: DataFrame of str, columns 0, 1, ...; its
     index is the row as a spreadsheet or an editor counts it, from 1. notices: sentences on how the file was read.
-    short: dict from each row of a text file that has fewer fields than the header to the number of fields that it has.
+    short: dict from each row of a text file that has fewer fields than the header to the number of the columns that it
+    has, and of its fields in the file. columns_of_file: as the header of the file; None: as that of the table.
     separator: of the columns, "" in a workbook.
     """
 
@@ -52,15 +53,17 @@ class TextTable:
     notices: list
     short: dict = field(default_factory=dict)
     separator: str = ""
+    columns_of_file: int | None = None
 
     def without(self, *left_out, rows=None):
         """Return the table without the columns at these positions, and with the rows of a mask only."""
         kept = [position for position in range(len(self.header)) if position not in left_out]
         cells = self.cells if rows is None else self.cells[rows]
         cells = cells[kept].set_axis(range(len(kept)), axis=1)
-        short = {row: sum(position < fields for position in kept) for row, fields in self.short.items()}
-        short = {row: fields for row, fields in short.items() if fields < len(kept)}
-        return replace(self, header=[self.header[position] for position in kept], cells=cells, short=short)
+        short = {row: (sum(position < has for position in kept), of_file) for row, (has, of_file) in self.short.items()}
+        short = {row: numbers for row, numbers in short.items() if numbers[0] < len(kept)}
+        header, columns = [self.header[position] for position in kept], self.columns_of_file or len(self.header)
+        return replace(self, header=header, cells=cells, short=short, columns_of_file=columns)
 
 
 def read_table(path):
@@ -305,7 +308,7 @@ def _split_header(path, cells, notices, fields=(), separator=""):
     kept = [position for position in range(columns) if names[position] or (cells[position] != "").any()]
     cells = cells[kept].set_axis(range(len(kept)), axis=1)
     numbers = {row: sum(position < number for position in kept) for row, number in enumerate(fields, start=1)}
-    short = {row: numbers[row] for row in cells.index if numbers.get(row, len(kept)) < len(kept)}
+    short = {row: (numbers[row],) * 2 for row in cells.index if numbers.get(row, len(kept)) < len(kept)}
     return TextTable(path, [names[position] for position in kept], cells, notices, short, separator)
 
 

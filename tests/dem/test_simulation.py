@@ -149,6 +149,10 @@ def test_bodies_that_overlap_or_lie_below_the_floor_are_refused():
         simcore.Simulation([BOX], [0], [(0.0, 0.0, 1e-4)])
     with pytest.raises(ValueError, match=r"centre of mass of body 1 is at z = -0\.001 m"):
         simcore.Simulation([BOX], [0, 0], [(0.0, 0.0, 5e-3), (0.0, 0.0, -1e-3)])
+    with pytest.raises(ValueError, match=r"body 0 overlaps its own periodic image by .* width is only 0\.008 m\. Give"):
+        simcore.Simulation([BALL], [0], [(0.0, 0.0, 0.1)], width=8e-3)
+    with pytest.raises(ValueError, match=r"body 0 is 0\.05 m from the z axis, but cylinder_radius is 0\.04 m\. Place"):
+        simcore.Simulation([BALL], [0], [(0.05, 0.0, 0.1)], cylinder_radius=0.04)
 
 
 def test_the_defaults_are_those_of_a_packing():

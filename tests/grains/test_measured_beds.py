@@ -33,6 +33,13 @@ def test_a_row_is_a_bed(read):
     assert notices == []
 
 
+@pytest.mark.parametrize("row, fields", [("0.36,U1,0.6", 3), ("0.36,U1,0.6,0.1,0.7", 5)])
+def test_a_short_row_is_named_with_its_fields_in_the_file(read, row, fields):
+    """The columns n and case, which are read first, are in front of those of the forms."""
+    with pytest.raises(ValueError, match=f"row 2: the row has {fields} fields, but the header has 6; add or remove"):
+        read(f"n,case,mean_FL,std_FL,mean_EL,std_EL\n{row}\n")
+
+
 def test_forms_of_one_grain_and_percent_are_the_same_bed(read):
     axes, _ = read("L [mm];I [mm];S [mm];porosity [%];porosity error (%)\n40;28;14;36,5;0,4\n40;20;18;40;0,5\n", "U1")
     ratios, _ = read("FL,EL,n,n_std_error\n0.5,0.7,0.365,0.004\n0.9,0.5,0.40,0.005\n", "U1")
