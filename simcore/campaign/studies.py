@@ -124,7 +124,7 @@ def _without(table, names, where):
     table = table[~table.packing.isin(names)].reset_index(drop=True)
     if table.empty:
         raise ValueError(
-            f"{where}.leaves_out: it names all packings; name fewer, or remove the study with {where}: null"
+            f"{where}.leaves_out: it lists all packings; list fewer, or remove the study with {where}: null"
         )
     return table
 

@@ -8,7 +8,7 @@ from simcore.packing.packed import DAMPING, GENERATING, SHAKING
 
 _LINE = re.compile(
     rf"(?P<name>.*): (?P<phase>{GENERATING}|{SHAKING}|{DAMPING}), t = (?P<time>\S+) s, (?P<grains>\d+) grains, "
-    r".*?, (?P<rate>\S+) steps/s, \S+ (?P<left>\S+) s left .*"
+    r".*?, (?P<rate>\S+) steps/s, \S+ (?P<left>\S+) s left.*"
 )
 
 

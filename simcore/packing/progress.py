@@ -32,7 +32,7 @@ class Progress:
         left = (end - step if end is not None else self.scene.shaking.duration / dt) / rate
         # The end of damping is a limit that is seldom reached.
         estimate = {
-            GENERATING: f"> {left:.0f} s left with the shaking",
+            GENERATING: f"> {left:.0f} s left, including the shaking",
             SHAKING: f"about {left:.0f} s left in this phase",
         }.get(phase, f"< {left:.0f} s left in this phase")
         self.report(

@@ -57,3 +57,12 @@ def test_predict_says_what_the_packed_beds_show():
 def test_predictions_by_class_are_confirmed_by_the_mean_square_of_both_beds(by_class, expected):
     table = pd.DataFrame({f"by_class_{USED}": by_class, f"together_{USED}": [0.015, 0.0]})
     assert confirmed(table) is expected
+
+
+def test_the_packed_curves_differ_from_the_specified_one_as_the_page_states():
+    """They were packed before grains were counted by the volume of their form."""
+    rows = pd.read_csv(form_by_size.REFERENCE / "form_by_size.csv")
+    shares = rows.filter(like="share_").to_numpy()[:, 1:-1]
+    page = (form_by_size.REFERENCE.parents[1] / "docs/appendices/size_and_form_plan.md").read_text(encoding="utf-8")
+    worst = np.abs(shares - all_cases()["U5"].curve.without_empty_ends().mass_fractions).max()
+    assert f"differ from U5 by up to {worst:.3f} in a class" in " ".join(page.split())
