@@ -61,6 +61,8 @@ DETAILS = (
 )
 # Columns of results, which are shown even if all rows have the same value
 _RESULTS = {"n", "n_exact", "r22_n", "difference", "z", "experiment_n", "coefficient", "formula", "samples"}
+# What was measured follows the porosity, so that a narrow page shows it without scrolling.
+_MEASURED = ("experiment_n", "experiment_error_percent")
 # Of these only in tables of porosities; they are the results of others.
 _DETAILS_OF_POROSITY = {"sigma_FL", "sigma_EL", "sigma_EQ", "grains", "cpu_h"}
 _COUNTS = ("grains", "samples")
@@ -119,6 +121,9 @@ def show_table(rows, name, details=DETAILS):
         names.remove("study")
     if {"flatness", "elongation"} <= set(names):  # the specified form of all grains
         names = [column for column in names if column not in ("FL", "EL")]
+    if {"n", *_MEASURED} <= set(names):
+        names = [column for column in names if column not in _MEASURED]
+        names[names.index("n") + 1 : names.index("n") + 1] = _MEASURED
     if "n" not in names:
         details = [name for name in details if name not in _DETAILS_OF_POROSITY]
     if {"n", "runs"} <= set(names) and not {"grain", "choice"} & set(names):
