@@ -10,6 +10,7 @@ import yaml
 from simcore.__main__ import main
 from simcore.grains.measured_forms import Sample
 from simcore.grains.sieve import SieveCurve
+from simcore.grains.sieve_table import read_curve
 from simcore.grains.sources import load_grains
 from simcore.packing.forecast_text import check_setup, setup_warnings
 from simcore.packing.sieve_specification import MANY, sieve_specification
@@ -43,6 +44,18 @@ def test_statistics_plot_and_specification(folder, capsys):
     explained = capsys.readouterr().out
     assert explained.startswith("field: ") and "8 to 11.2 mm" in explained
     assert "Warning" not in explained
+
+
+def test_a_packing_closes_an_end_with_little_mass_as_a_prediction_does(folder, capsys):
+    curve = str(folder / "field.csv")  # 0.4 % of the mass are in the pan
+    assert main(["sieve", curve, "--specification", str(folder / "field.yaml")]) == 0
+    assert "the specification assumes that the 0.4% in the pan are coarser than 2.86 mm" in capsys.readouterr().err
+    written = yaml.safe_load((folder / "field.yaml").read_text())
+    predicted, _ = read_curve(curve)
+    assert written["sizes"]["mass_fractions"] == pytest.approx(list(predicted.mass_fractions), abs=1e-6)
+    (folder / "field.csv").write_text(CURVE.replace("pan;10", "pan;100"))
+    assert main(["sieve", curve, "--specification", str(folder / "open.yaml")]) == 2
+    assert "of the mass pass the finest sieve" in capsys.readouterr().err and not (folder / "open.yaml").exists()
 
 
 FLAT = Sample("flat", 40, 0.45, 0.14, 0.7, 0.13, 0.32, 0.12)  # thin grains need shorter contacts and more steps
@@ -101,9 +114,10 @@ def test_json_has_the_same_numbers(folder, capsys):
 
 
 def test_wrong_input_ends_with_one_line_and_leaves_no_file(folder, capsys):
-    curve, specification = str(folder / "field.csv"), str(folder / "field.yaml")
+    curve, open_curve, specification = (str(folder / name) for name in ("field.csv", "open.csv", "field.yaml"))
+    (folder / "open.csv").write_text(CURVE.replace("pan;10", "pan;100"))
     for arguments, message in (
-        ([curve, "--specification", specification], "0.4% of the mass pass the finest sieve, 4 mm; give the size of"),
+        ([open_curve, "--specification", specification], "4.2% of the mass pass the finest sieve, 4 mm; give the size"),
         ([curve, "--finest", "1,000 µm"], "--finest: '1,000 µm' is not a number with a unit; a length is needed"),
         ([curve, "--finest", "4 kg"], "--finest: '4 kg' is a mass; a length is needed"),
         ([curve, "--coarsest", "0 mm"], "--coarsest: '0 mm' is not a length above 0"),
@@ -115,7 +129,7 @@ def test_wrong_input_ends_with_one_line_and_leaves_no_file(folder, capsys):
         printed = capsys.readouterr()
         assert printed.err.startswith("scree sieve: ") and message in printed.err
         assert printed.err.count("\n") == 1 and printed.out == ""
-    assert [path.name for path in folder.iterdir()] == ["field.csv"]
+    assert sorted(path.name for path in folder.iterdir()) == ["field.csv", "open.csv"]
 
 
 def test_a_packing_is_made_as_the_beds_of_the_model_of_size_and_form(folder):

@@ -72,7 +72,9 @@ def _specification(options, table, notices):
     """Return the text of the specification; its notices are added to the list."""
     from simcore.packing.sieve_specification import sieve_specification
 
-    text, further = sieve_specification(table.curve(), options.curve)
+    closed, assumed = table.with_small_ends_closed()
+    notices += [f"{options.curve}: the specification assumes that {what}" for what in assumed]
+    text, further = sieve_specification(closed.curve(), options.curve)
     notices += further
     return text
 

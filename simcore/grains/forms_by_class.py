@@ -32,6 +32,9 @@ def classes_of_table(table, column, name=None):
     classes.sort(key=lambda entry: entry[0])
     ends = [bounds for bounds, _ in classes]
     for (low, high), (lower, upper) in zip(ends, ends[1:], strict=False):
+        if (low, high) == (lower, upper):
+            names = " and ".join(sample.name for bounds, sample in classes if bounds == (low, high))
+            raise ValueError(f"{path}: {names}{of} are the same class; write it in one way in the column {column}")
         if lower < high * (1 - 1e-9):
             raise ValueError(
                 f"{path}: the classes {class_text(low, high)} and {class_text(lower, upper)}{of} overlap; correct "
@@ -61,10 +64,24 @@ def sample_of_class(curve, index, classes):
     ValueError if the class of the curve lies in none of them.
     """
     low, high = curve.bounds[index : index + 2]
-    for (lower, upper), sample in classes.items():
-        if lower <= low * (1 + 1e-6) and high <= upper * (1 + 1e-6):
+    for bounds, sample in classes.items():
+        if _contains(bounds, low, high):
             return sample
+    parts = [bounds for bounds in classes if bounds[0] < high * (1 - 1e-6) and low * (1 + 1e-6) < bounds[1]]
+    lies, remedy = "no class of the table of forms contains it", "add its forms"
+    if parts:
+        lies = f"it is only partly within {' and '.join(class_text(*bounds) for bounds in parts)} of the table of forms"
+        remedy = "let the classes of forms end at sieves of the curve"
     raise ValueError(
-        f"{curve.name}: the class {low * 1e3:g} to {high * 1e3:g} mm has mass, but no class of the table of forms "
-        "contains it; add its forms, or remove the column of classes"
+        f"{curve.name}: the class {low * 1e3:g} to {high * 1e3:g} mm has mass, but {lies}; {remedy}, or remove the "
+        "column of classes"
     )
+
+
+def has_class(curve, index, classes) -> bool:
+    """Return whether the class `index` of a SieveCurve lies in one of the classes of classes_of_table."""
+    return any(_contains(bounds, *curve.bounds[index : index + 2]) for bounds in classes)
+
+
+def _contains(bounds, low, high):
+    return bounds[0] <= low * (1 + 1e-6) and high <= bounds[1] * (1 + 1e-6)

@@ -156,7 +156,9 @@ def _describe_range(case):
             own.append(f"{label} from {model.minimum[position]:.2f} to {model.maximum[position]:.2f}")
     if not own:
         return [f"{text}."]
-    texts = [f"{text}; {_name(case.base)} was fitted to {' and '.join(own)}."]
+    range_of = "the range of your fit is that of the model that it corrects," if case.base == MEASURED else ""
+    range_of = range_of or f"{_name(case.base)} was fitted to"
+    texts = [f"{text}; {range_of} {' and '.join(own)}."]
     if case.chosen.kind in CORRECTIONS:
         texts.append("For forms that the beds do not cover, these data do not show whether the correction is the same.")
     return texts
@@ -172,8 +174,9 @@ def _describe_terms(case):
         if row.lower <= 1 <= row.upper:
             texts.append(f"The factor of the rescaling, {span}, does not differ from 1 at 95 % confidence.")
         else:
-            side = "weaker" if row.value < 1 else "stronger"
-            texts.append(f"The factor of the rescaling is {span}: form has a {side} effect than in our model.")
+            effect = f"a {'weaker' if row.value < 1 else 'stronger'} effect than" if row.value >= 0 else ""
+            effect = effect or "the opposite of the effect"
+            texts.append(f"The factor of the rescaling is {span}: form has {effect} in our model.")
     if features.model is not None:
         open_terms = [row for row in features.coefficients.iloc[1:].itertuples() if row.lower <= 0 <= row.upper]
         for row in open_terms:

@@ -9,6 +9,7 @@ from simcore.grains.text_columns import text_columns
 from simcore.models.fitted_range import FAR, NEAR
 from simcore.models.measured_prediction import check_level, models_for_cases, predict_measured
 from simcore.models.measured_text_parts import records
+from simcore.models.nearly_round import nearly_round_caveats
 from simcore.models.prediction import (
     KINDS_OF_BED,
     ONE_CLASS,
@@ -62,7 +63,8 @@ def describe(table, case, fitted, level=0.95):
     lines += ["", *_samples_in_columns(table), "", "Models"]
     for (by, name), _ in table[table.model != ""].groupby(["by", "model"], sort=False):
         lines.append(f"  {_equation(by, name, model_case(case), fitted)}")
-    extrapolated = table[(table.outside != "") & (table.refused == "")]
+    extrapolated = table[(table.outside != "") & (table.refused == "") & (table.distance > 0)]
+    remarked = table[(table.outside != "") & (table.refused == "") & (table.distance == 0)]
     refused = table[(table.refused != "") & (table.model != "")]
     if len(extrapolated):
         lines += [
@@ -70,6 +72,8 @@ def describe(table, case, fitted, level=0.95):
             f"* outside the fitted range of the model: its interval is widened beyond {NEAR:g} of the range's width",
             *_remarks(extrapolated, "outside"),
         ]
+    if len(remarked):
+        lines += ["", "* inside the fitted range, with a remark", *_remarks(remarked, "outside")]
     if len(refused):
         lines += [
             "",
@@ -193,6 +197,7 @@ def _caveats(table, level):
     ours = table[table.preferred]
     one_form = ours.kind_of_bed == KINDS_OF_BED[0]
     lines += few_grains_error_caveats(ours.name, one_form, ours.few_grains_error, "the porosity")
+    lines += nearly_round_caveats(ours.itertuples())
     lines.append(
         "The interval contains the porosity of a new sample, poured and shaken in the same way, with "
         f"{100 * level:g} % probability; Rettinger et al. publish no interval."

@@ -14,6 +14,7 @@ from simcore.models.few_grains import MOST_FREEDOM, RELATIVE_STEP
 from simcore.models.fitted_range import FAR, NEAR, WIDENING
 from simcore.models.formulas import SYMBOLS
 from simcore.models.measured_file import MEASURED
+from simcore.models.nearly_round import LEAST_RATIO, describe_nearly_round
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.prediction_text import FEW_GRAINS
 from simcore.models.scatter import LEAST
@@ -69,6 +70,7 @@ def page_data(fitted, r22_tables=R22_TABLES):
         "kinds_of_bed": list(prediction.KINDS_OF_BED),
         "reading": _reading(),
         "curve": curve_data(LEVELS),
+        "nearly_round": {"least_ratio": LEAST_RATIO, "text": f"{describe_nearly_round()}."},
         "flatness": read_r22_table("table2_form_statistics", r22_tables)[["mu_FL", "sigma_FL"]].to_numpy().tolist(),
     }
 

@@ -733,7 +733,7 @@ CLASSES = [
     ),
     Case(
         "class;L;I;S\n8-16 mm;14;10;4\n0,8-1,6 cm;14;10;4\n",
-        error="the classes 8 to 16 mm and 8 to 16 mm overlap; correct the column class",
+        error="8-16 mm and 0,8-1,6 cm are the same class; write it in one way in the column class",
     ),
     Case("Klasse;L;I;S\n8-11,2 mm;14;10;4\n11,2-16 mm;13;10;6\n"),
     Case("class;L;I;S\n8/11,2 mm;14;10;4\n11,2 bis 16 mm;13;10;6\n"),

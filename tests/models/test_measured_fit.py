@@ -11,7 +11,7 @@ import pytest
 import simcore
 from simcore.__main__ import main
 from simcore.grains.measured_beds import MeasuredBed
-from simcore.grains.measured_forms import Sample
+from simcore.grains.measured_forms import Sample, read_measured
 from simcore.models.files import models_dataset
 from simcore.models.fitting import FittedModels, fit_reference_models, read_campaign_models
 from simcore.models.measured_file import read_measured_models, write_measured_models
@@ -225,10 +225,44 @@ def test_predict_takes_the_model_that_fit_wrote(tmp_path, capsys):
     assert f"offset of single_form, 5 measured beds: {tmp_path / 'model.json'}" in text
     assert main([*words, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["models"][0]["model"] == "measured"
+    # The form is inside the range: what is remarked is the kind of bed.
+    assert "* inside the fitted range, with a remark\n  row 2, your fit" in text
+    assert "* outside the fitted range" not in text.split("Rettinger et al. form_mixture")[0]
     again = simcore.fit(tmp_path / "measured.csv", case="U1", models=tmp_path / "model.json").cases[0]
     assert again.base == "measured" and again.agreement.set_index("model").bias["measured"] == pytest.approx(
         0, abs=1e-9
     )
+    words = ["--models", str(tmp_path / "model.json"), "--out", str(tmp_path / "again.json")]
+    assert main(["fit", str(tmp_path / "measured.csv"), "--case", "U1", *words]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "the range of your fit is that of the model that it corrects, 1/EQ from" in text
+
+
+def test_a_fit_of_one_class_says_that_it_is_used_for_sieve_curves(tmp_path, capsys):
+    """Its one-class porosity is 0.02 larger; the step to the curve is that of our model."""
+    forms = pd.DataFrame({"mean_FL": [0.5, 0.6, 0.7, 0.8], "mean_EL": [0.7, 0.6, 0.8, 0.65]})
+    forms = forms.assign(std_FL=0.15, std_EL=0.12, sample=["a", "b", "c", "d"])
+    before = predict_samples(read_measured(write(tmp_path / "forms.csv", forms))[0], "U1", fit_reference_models())
+    n = before[before.preferred].n.to_numpy() + 0.02 + 0.001 * np.array([-1, 1, 1, -1])
+    write(tmp_path / "measured.csv", forms.assign(n=n))
+    model = str(tmp_path / "model.json")
+    assert main(["fit", str(tmp_path / "measured.csv"), "--case", "one-class", "--out", model]) == 0
+    capsys.readouterr()
+    words = ["predict", str(tmp_path / "forms.csv"), "--sieve", "U7"]
+    for more in ([], ["--models", model]):
+        assert main([*words, *more]) == 0
+        text = capsys.readouterr().out
+        ours, theirs = "shaken for eight seconds" in text, "The one-class porosity is that of your fit" in text
+        assert (ours, theirs) == (not more, bool(more))
+        assert (f"One-class porosity: offset of unified, 4 measured beds: {model}" in text) == bool(more)
+        assert main([*words, *more, "--json"]) == 0
+        answer = json.loads(capsys.readouterr().out)
+        assert (answer["one_class_fit"] is None) == (answer["samples"][0]["n_not_shaken"] is not None) == (not more)
+
+
+def write(path, table):
+    table.to_csv(path, index=False)
+    return path
 
 
 def test_a_file_keeps_each_digit(tmp_path, fitted):
@@ -412,6 +446,8 @@ def test_sentences_name_what_the_beds_do_not_show(fitted):
     assert "so these beds hardly separate their effects" in text
     assert "The beds do not show whether EL_inv has an effect" in text
     assert "form has a weaker effect than in our model" in text
+    opposite = fit_case(beds_of_one_form(9, lambda FL, EL: 0.7 - ours(FL, EL), scatter=1e-4), "U1", fitted)
+    assert "form has the opposite of the effect in our model" in " ".join(sentences(opposite))
     assert (
         "If n_error is not given for every bed, measurement errors and errors of the model cannot be separated." in text
     )

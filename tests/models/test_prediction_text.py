@@ -16,6 +16,7 @@ from simcore.grains.measured_forms import Sample
 from simcore.models.fitting import fit_reference_models
 from simcore.models.prediction import predict_samples
 from simcore.models.prediction_text import describe, few_grains_error_caveats
+from simcore.paths import REFERENCE
 from tests.helpers.reference_rows import porosity_of_form, sample_of_one_form
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -50,6 +51,19 @@ def test_on_the_command_line(capsys, tmp_path):
     assert output.startswith("scree predict: ") and output.count("\n") == 1 and "bad.csv, row 2" in output
     assert main(["predict", "--case", "U1", str(TABLE_2), "--level", "95"]) == 2
     assert "level 95: give a number between 0 and 1" in capsys.readouterr().err
+
+
+def test_smooth_grains_that_are_nearly_round_have_a_notice(capsys, tmp_path):
+    """The porosities are those of near_spheres.csv."""
+    rows = pd.read_csv(REFERENCE / "near_spheres.csv")
+    spheres = rows.query("shape_kind == 'sphere'").n.mean()
+    (tmp_path / "beads.csv").write_text("sample,L,I,S\nbeads,10,10,10\nbeads,10,10,10\npebbles,13,10,10\n")
+    for words in (["--case", "one-class"], ["--sieve", "U7"]):
+        assert main(["predict", *words, str(tmp_path / "beads.csv")]) == 0
+        text = capsys.readouterr().out
+        assert f"with L/S = 1.2 have 0.343, and those of spheres {spheres:.3f}: beads.\n" in text
+        assert main(["predict", *words, str(TABLE_2)]) == 0
+        assert "nearly round" not in capsys.readouterr().out
 
 
 def test_the_error_of_few_grains_is_stated_or_its_absence():

@@ -19,7 +19,7 @@ from simcore.models.size_and_form.bed_prediction import (
 )
 from simcore.models.size_and_form.bed_prediction_text import predict_curve_file
 from simcore.models.size_and_form.candidates import CANDIDATES, predict
-from simcore.models.size_and_form.forms_by_class import predict_by_class
+from simcore.models.size_and_form.forms_by_class import one_class_by_class, predict_by_class
 from simcore.models.size_and_form.predicted_specification import write_specification
 from simcore.models.size_and_form.sized_model import unfitted_model
 from simcore.page.curve_data import PORTED, model_data
@@ -199,7 +199,8 @@ BY_CLASS = """
   const column = Bed.classColumn("table.csv", table);
   const classes = Bed.readClasses("table.csv", column, Grains.read("table.csv", table, column).samples);
   const { sample, bed } = Bed.predictByClass(curve, classes, level);
-  const values = { ...bed, ...sample, oneClass: undefined, forms: undefined };
+  const sensitivity = bed.refused ? null : Bed.sensitivity(curve, bed.by_class).map(String);
+  const values = { ...bed, ...sample, sensitivity, by_class: undefined, oneClass: undefined, forms: undefined };
   return Object.fromEntries(Object.entries(values).map(([k, v]) => [k, typeof v === "number" ? String(v) : v]));
 })
 """
@@ -231,6 +232,10 @@ def test_a_form_for_each_sieve_class(open_page, fitted, tmp_path):
         keys = [*NUMBERS, "mu_FL", "sigma_FL", "mu_EL", "sigma_EL"]
         got = [float(answer[key]) for key in keys]
         assert got == pytest.approx(row[keys].astype(float).tolist(), abs=TOLERANCE, nan_ok=True)
+        if not row.refused:
+            changes = sensitivity(curve, one_class_by_class(curve, classes, fitted), fitted)
+            got = [float(value) for value in answer["sensitivity"]]
+            assert got == pytest.approx(changes.tolist(), abs=TOLERANCE, nan_ok=True)
 
 
 def test_classes_of_shared_cases_have_the_same_words(open_page):

@@ -16,7 +16,13 @@ import pandas as pd
 
 from simcore.grains.class_labels import CLASS_LABEL, OPEN_END, SIZE
 from simcore.grains.form_columns import MEANS, SAMPLE, recognise_columns, sample_position
-from simcore.grains.forms_by_class import BY_CLASS, class_name, classes_of_table, describe_unused_classes
+from simcore.grains.forms_by_class import (
+    BY_CLASS,
+    class_name,
+    classes_of_table,
+    describe_unused_classes,
+    sample_of_class,
+)
 from simcore.grains.measured_beds import SIEVE_NAME, CurveReader
 from simcore.grains.measured_forms import read_measured, samples_of_table
 from simcore.grains.sieve import SieveCurve
@@ -50,6 +56,31 @@ class BedForms(NamedTuple):
             return predict_curve(self.curve, self.samples, fitted, level)
         rows = [self._by_class(name, classes, fitted, level) for name, classes in self.samples]
         return pd.concat(rows, ignore_index=True)
+
+    def one_class(self, index, n_one_class, fitted):
+        """Return the one-class porosity of the grains of sample `index`: n_one_class, or by class of the curve (k,).
+
+        n_one_class: from the row of the sample. fitted: FittedModels. A class without forms has nan.
+        """
+        from simcore.models.size_and_form.forms_by_class import one_class_by_class
+
+        if not self.by_class:
+            return n_one_class
+        return one_class_by_class(self.curve, self.samples[index][1], fitted)
+
+    def measured(self, index):
+        """Return the Samples of the grains of sample `index`: itself, or those of the classes that have mass.
+
+        Those of classes have the name of their class, after that of the sample if there are several.
+        """
+        if not self.by_class:
+            return [self.samples[index]]
+        name, classes = self.samples[index]
+        of_classes = [
+            sample_of_class(self.curve, place, classes) for place in np.flatnonzero(self.curve.mass_fractions)
+        ]
+        prefix = "" if name == BY_CLASS else f"{name}, "
+        return [replace(sample, name=f"{prefix}{sample.name}") for sample in dict.fromkeys(of_classes)]
 
     def _by_class(self, name, classes, fitted, level):
         from simcore.models.size_and_form.forms_by_class import predict_by_class

@@ -13,10 +13,11 @@ from simcore.grains.measured_forms import Sample
 from simcore.grains.sieve import SieveCurve
 from simcore.grains.statistics import equancy_statistics
 from simcore.models.few_grains import few_grains_half
+from simcore.models.measured_file import MEASURED
 from simcore.models.packing_models.curves import gap, passing, span
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.packing_models.literature import LITERATURE
-from simcore.models.prediction import ONE_CLASS, predict_all_preferred, predict_preferred
+from simcore.models.prediction import ONE_CLASS, model_case, predict_all_preferred, predict_preferred
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
 from simcore.models.size_and_form.sized_model import SizedModel, current_model
 from simcore.paths import REFERENCE
@@ -65,8 +66,8 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
 
     The interval adds three independent errors: of the one-class porosity with that of few grains, of the step from one
     class to the curve, which is proportional to the decrease of porosity, and of how much of the effect of form the
-    step carries over. With a correction, the interval is that of CurveCorrection, and the range of the state is nan,
-    because the state of the packing is that of the measured beds.
+    step carries over. With a correction, the interval is that of CurveCorrection. With models of measured beds the
+    range of the state is nan, because the state of the packing is that of these beds.
     """
     correction = fitted.curve if model is None else None
     model, fitted = model or sized_model(fitted), one_class_models(fitted)
@@ -95,7 +96,7 @@ def predict_curve(curve, samples, fitted, level=0.95, model: SizedModel | None =
         form = [sample.name, sample.grains, sample.mu_FL, sample.sigma_FL, sample.mu_EL, sample.sigma_EL]
         table.append(bed_row(form, of_class[i], n[i], half[i], row["outside"], refused, curve, model))
     table = pd.DataFrame(table, columns=COLUMNS)
-    return table if correction is None else without_states(table)
+    return without_states(table) if correction is not None or own_one_class(fitted) else table
 
 
 def rhine_one_class(fitted, level=0.95) -> float:
@@ -108,10 +109,15 @@ def _require_rhine(row):
     if not np.isfinite(row["n"]):
         raise ValueError(
             "predictions from sieve curves compare with the one-class porosity of the Rhine's gravel, which these "
-            f"models do not give: {row['refused']}; add packings with a distribution of form to their campaign, or "
+            f"models do not give: {row['refused']}; add beds with a distribution of form to those of the models, or "
             "leave out --models to use the committed ones"
         )
     return row
+
+
+def own_one_class(fitted) -> str:
+    """Return what is behind the one-class porosity if `fit` gave it without curves: a text, else an empty one."""
+    return "" if fitted.curve else fitted.behind.get((MEASURED, model_case(ONE_CLASS)), "")
 
 
 def one_class_models(fitted):
@@ -249,18 +255,22 @@ def without_states(table):
 def sensitivity(curve, one_class, fitted) -> np.ndarray:
     """Return the change of porosity (k,) if the mass of one class of the SieveCurve grows by 1 % of the whole.
 
-    The masses of the other classes stay, so that all shares are divided by 1.01. one_class: one-class porosity. fitted:
-    FittedModels, as for predict_curve.
+    The masses of the other classes stay, so that all shares are divided by 1.01. one_class: one-class porosity, a
+    number, or (k,) by class; for a class where it is nan, which has no mass, the change is nan. fitted: FittedModels,
+    as for predict_curve.
     """
     model, reference = sized_model(fitted), rhine_one_class(fitted)
-    base = model.predict(curve, float(one_class), reference=reference)
-    changed = []
-    for index in range(len(curve.mass_fractions)):
+    of_classes = np.broadcast_to(np.asarray(one_class, float), curve.mass_fractions.shape)
+    known = np.isfinite(of_classes)
+    of_classes = np.where(known, of_classes, of_classes[known][0])  # without mass it has no effect
+    base = model.predict(curve, of_classes, reference=reference)
+    changed = np.full(len(curve.mass_fractions), np.nan)
+    for index in np.flatnonzero(known):
         fractions = curve.mass_fractions.copy()
         fractions[index] += MORE_MASS
         more = SieveCurve(curve.bounds, fractions / fractions.sum(), curve.name, curve.numbers_by)
-        changed.append(model.predict(more, float(one_class), reference=reference) - base)
-    return np.array(changed)
+        changed[index] = model.predict(more, of_classes, reference=reference) - base
+    return changed
 
 
 def other_predictors(curve, one_class) -> pd.DataFrame:

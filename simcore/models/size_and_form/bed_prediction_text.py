@@ -8,11 +8,15 @@ from simcore.grains.text_columns import text_columns
 from simcore.models.fitting import FittedModels
 from simcore.models.measured_prediction import check_level, models_for
 from simcore.models.measured_text_parts import plain
+from simcore.models.nearly_round import nearly_round_caveats
+from simcore.models.prediction import ONE_CLASS, predict_all_preferred
 from simcore.models.prediction_text import few_grains_caveats, few_grains_error_caveats
 from simcore.models.size_and_form.bed_forms import join_tables, read_bed_forms
 from simcore.models.size_and_form.bed_prediction import (
     UNKNOWN_FORMS,
+    one_class_models,
     other_predictors,
+    own_one_class,
     rhine_one_class,
     sensitivity,
     sized_model,
@@ -70,19 +74,19 @@ def describe(beds, table, forms=None, level=0.95, fitted=NO_MODELS) -> str:
         "",
         *_samples(table),
         "",
-        *_state(fitted.curve, all_outside=bool((table.loc[table["refused"] == "", "outside"] != "").all())),
-        *few_grains_caveats(table["sample"], table["grains"]),
-        *_few_grains(table[table["refused"] == ""]),
+        *_state(fitted, all_outside=bool((table.loc[table["refused"] == "", "outside"] != "").all())),
+        *_about_grains(beds, table, fitted),
     ]
     if len(beds) > 1:
         lines += ["", "How each curve acts and what other models predict: add --json."]
     elif (table["refused"] == "").any():
-        lines += _describe_curve(beds[0], table[table["refused"] == ""].iloc[0], fitted)
+        lines += _describe_curve(beds[0], table, fitted)
     lines += [
         "",
         f"Model of size and form, candidate {model.candidate}: {CANDIDATES[model.candidate].title}; {model.behind}",
         *([CHECK_BY_CLASS] if beds[0].by_class else []),
         *([f"Correction: {fitted.curve.behind}"] if fitted.curve else []),
+        *([f"One-class porosity: {behind}"] if (behind := own_one_class(fitted)) else []),
     ]
     outside = table[(table["outside"] != "") & (table["refused"] == "")]
     if len(outside):
@@ -93,16 +97,22 @@ def describe(beds, table, forms=None, level=0.95, fitted=NO_MODELS) -> str:
     return "\n".join(lines)
 
 
-def _describe_curve(bed, row, fitted):
-    """Return the lines on how the curve of BedForms acts, and on other models, for the row of its first sample."""
-    model, curve = sized_model(fitted), bed.curve
-    n1 = row["n_one_class"]
-    change = _sensitivity(curve, n1, fitted)
-    step = n1 - model.predict(curve, n1, reference=rhine_one_class(fitted))
+def _describe_curve(bed, table, fitted):
+    """Return the lines on how the curve of BedForms acts, and on other models, for its first sample with a porosity."""
+    row = table[table["refused"] == ""].iloc[0]
+    model, curve, n1 = sized_model(fitted), bed.curve, row["n_one_class"]
+    of_classes = bed.one_class(row.name, n1, fitted)
+    with_mass = np.where(curve.mass_fractions > 0, of_classes, n1)
+    step = n1 - model.predict(curve, with_mass, reference=rhine_one_class(fitted))
+    change = _sensitivity(curve, of_classes, fitted)
+    one_class = (
+        f"if its classes did not interact, the bed would have the porosity {n1:.3f},"
+        if bed.by_class
+        else f"a bed of one sieve class of these grains has the porosity {n1:.3f},"
+    )
     return [
         "",
-        f"How the curve acts, sample {row['sample']}: a bed of one sieve class of these grains has the porosity "
-        f"{row['n_one_class']:.3f},",
+        f"How the curve acts, sample {row['sample']}: {one_class}",
         f"and the range of sizes lowers it by {step:.3f}. If the mass of one class grows by 1 % of the whole,",
         "and the other masses stay, the porosity changes by the number in the last column:",
         "",
@@ -119,12 +129,17 @@ def _describe_curve(bed, row, fitted):
     ]
 
 
-def _state(correction, all_outside):
+def _state(fitted, all_outside):
     """Return the lines on the state of the packing; all_outside: whether all samples are outside the fitted range."""
-    if correction is not None:
+    if fitted.curve is not None:
         return [
             "The porosity is that of beds that are made and measured like those to which the model was corrected; the",
             "one-class porosity and the other models are without the correction.",
+        ]
+    if own_one_class(fitted):
+        return [
+            "The one-class porosity is that of your fit: of beds that are made and measured like yours. The step from",
+            "one class to the sieve curve is that of our packings, which are shaken for about a second.",
         ]
     return [
         STATE,
@@ -133,11 +148,31 @@ def _state(correction, all_outside):
     ]
 
 
-def _few_grains(table):
-    table = table[table["sample"] != UNKNOWN_FORMS]
-    one_form = (table["sigma_FL"] == 0) & (table["sigma_EL"] == 0)
-    errors = table["one_class_few_grains_error"]
-    return few_grains_error_caveats(table["sample"], one_form, errors, "the one-class porosity")
+def _about_grains(beds, table, fitted):
+    """Return the lines on the grains of the BedForms: on their number, and on those that are nearly round.
+
+    With forms by sieve class the lines are about the classes.
+    """
+    refused = dict(zip(table["sample"], table["refused"], strict=True))
+    names = [[sample[0] if bed.by_class else sample.name for sample in bed.samples] for bed in beds]
+    samples, predicted = [], []
+    for bed, of_bed in zip(beds, names, strict=True):
+        for index, name in enumerate(of_bed):
+            measured = bed.measured(index)
+            samples += measured
+            predicted += measured if refused[name] == "" else []
+    known = [sample for sample in predicted if sample.name != UNKNOWN_FORMS]
+    rows = predict_all_preferred(known, ONE_CLASS, one_class_models(fitted)) if known else []
+    return [
+        *few_grains_caveats([sample.name for sample in samples], [sample.grains for sample in samples]),
+        *few_grains_error_caveats(
+            [sample.name for sample in known],
+            [sample.one_form for sample in known],
+            [row["few_grains_error"] for row in rows],
+            "the one-class porosity",
+        ),
+        *nearly_round_caveats(predicted),
+    ]
 
 
 def _sensitivity(curve, one_class, fitted):
@@ -175,14 +210,14 @@ def _samples(table):
 def _classes(curve, change):
     bounds = 1e3 * curve.bounds
     return [
-        [f"{low:g} to {high:g}", f"{100 * share:.1f}", f"{value:+.4f}"]
+        [f"{low:g} to {high:g}", f"{100 * share:.1f}", "-" if np.isnan(value) else f"{value:+.4f}"]
         for low, high, share, value in zip(bounds[:-1], bounds[1:], curve.mass_fractions, change, strict=True)
     ][::-1]
 
 
 def _json(beds, tables, level, notices, fitted):
     """Return JSON text: an object, or a list with one for each sieve curve if the table of forms has the curves."""
-    content = [_plain_bed(bed.curve, table, fitted) for bed, table in zip(beds, tables, strict=True)]
+    content = [_plain_bed(bed, table, fitted) for bed, table in zip(beds, tables, strict=True)]
     model, correction = sized_model(fitted), fitted.curve
     shared = {
         "level": level,
@@ -190,20 +225,22 @@ def _json(beds, tables, level, notices, fitted):
         "correction": {"kind": correction.kind, "coefficients": correction.coefficients, "behind": correction.behind}
         if correction
         else None,
+        "one_class_fit": own_one_class(fitted) or None,
         "notices": list(notices),
     }
     content = [{"curve": bed["curve"], **shared, "samples": bed["samples"]} for bed in content]
     return json.dumps(content[0] if beds[0].places is None else content, indent=1, allow_nan=False)
 
 
-def _plain_bed(curve, table, fitted):
-    """Return a SieveCurve and the table of its samples as plain values."""
-    samples = []
-    for row in table.to_dict("records"):
+def _plain_bed(bed, table, fitted):
+    """Return the curve of BedForms and the table of its samples as plain values."""
+    samples, curve = [], bed.curve
+    for index, row in enumerate(table.to_dict("records")):
         sample = {key: plain(value) for key, value in row.items()}
         if not row["refused"]:
+            of_classes = bed.one_class(index, row["n_one_class"], fitted)
             sample["other_models"] = other_predictors(curve, row["n_one_class"]).to_dict("records")
-            sample["sensitivity"] = list(_sensitivity(curve, row["n_one_class"], fitted))
+            sample["sensitivity"] = [plain(value) for value in _sensitivity(curve, of_classes, fitted)]
         samples.append(sample)
     bounds, fractions = list(1e3 * curve.bounds), list(curve.mass_fractions)
     return {"curve": {"name": curve.name, "bounds_mm": bounds, "mass_fractions": fractions}, "samples": samples}

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from simcore.grains.forms_by_class import BY_CLASS, sample_of_class
+from simcore.grains.forms_by_class import BY_CLASS, has_class, sample_of_class
 from simcore.models.few_grains import few_grains_half
 from simcore.models.packing_models.classes import porosity_of_volume, specific_volume
 from simcore.models.prediction import ONE_CLASS, predict_preferred
@@ -14,6 +14,7 @@ from simcore.models.size_and_form.bed_prediction import (
     error_parts,
     interval,
     one_class_models,
+    own_one_class,
     rhine_one_class,
     sized_model,
     without_states,
@@ -77,7 +78,20 @@ def predict_by_class(
     few_grains_error = _with_halves(mixture, samples, n1, np.zeros(len(n1)), errors)[2]
     one_class = [one_class, one_class - one_class_half, one_class + one_class_half, few_grains_error]
     table = pd.DataFrame([bed_row(form, one_class, n, half, outside, "", curve, model)], columns=COLUMNS)
-    return table if correction is None else without_states(table)
+    return without_states(table) if correction is not None or own_one_class(fitted) else table
+
+
+def one_class_by_class(curve, classes, fitted) -> np.ndarray:
+    """Return the one-class porosity (k,) of the grains of each class of the SieveCurve.
+
+    Arguments: as for predict_by_class. It is nan for a class without forms, which has no mass, or without a prediction.
+    """
+    porosities = np.full(len(curve.mass_fractions), np.nan)
+    for index, share in enumerate(curve.mass_fractions):
+        if share > 0 or has_class(curve, index, classes):
+            sample = sample_of_class(curve, index, classes)
+            porosities[index] = predict_preferred(sample, ONE_CLASS, one_class_models(fitted))["n"]
+    return porosities
 
 
 def _with_halves(porosity, samples, n1, of_model, few):

@@ -44,6 +44,11 @@ const Bed = (() => {
     classes.sort((a, b) => a.low - b.low || a.high - b.high);
     classes.slice(1).forEach((coarser, i) => {
       const finer = classes[i];
+      if (finer.low === coarser.low && finer.high === coarser.high) {
+        const same = classes.filter(({ low, high }) => low === finer.low && high === finer.high);
+        const names = same.map((entry) => entry.sample.name).join(" and ");
+        throw new InputError(`${name}: ${names} are the same class; write it in one way in the column ${column}`);
+      }
       if (!(coarser.low < finer.high * (1 - 1e-9))) return;
       const [first, second] = [finer, coarser].map(SieveClasses.written);
       throw new InputError(`${name}: the classes ${first} and ${second} overlap; correct the column ${column}`);
@@ -95,7 +100,9 @@ const Bed = (() => {
     const errors = rows.map((row) => row.few_grains_error);
     const few_grains_error = withHalves(mixture, samples, n1, n1.map(() => 0), errors)[2];
     const oneClass = { n: mean, lower, upper, few_grains_error, outside: remarks("outside"), quantities: [] };
-    return { sample, bed: bedOf(curve, n, halfWidth(curve, [n, n - both, n + both], mean, ofRhine, level), oneClass, "") };
+    const half = halfWidth(curve, [n, n - both, n + both], mean, ofRhine, level);
+    const by_class = oneClassByClass(curve, classes, level);
+    return { sample, bed: { ...bedOf(curve, n, half, oneClass, ""), by_class } };
   }
 
   // Returns [porosity, half width by the model, half width by the few grains], as in simcore.models.size_and_form: errors
@@ -109,14 +116,29 @@ const Bed = (() => {
     return [porosity(n1), byModel, Math.hypot(...byFew)];
   }
 
+  const containing = (low, high, classes) =>
+    classes.find((entry) => entry.low <= low * (1 + 1e-6) && high <= entry.high * (1 + 1e-6));
+
   function sampleOf(curve, index, classes) {
     const [low, high] = curve.bounds.slice(index, index + 2);
-    const found = classes.find((entry) => entry.low <= low * (1 + 1e-6) && high <= entry.high * (1 + 1e-6));
+    const found = containing(low, high, classes);
     if (found) return found.sample;
+    const parts = classes.filter((entry) => entry.low < high * (1 - 1e-6) && low * (1 + 1e-6) < entry.high);
+    const within = parts.map(SieveClasses.written).join(" and ");
+    const lies = within
+      ? `it is only partly within ${within} of the table of forms; let the classes of forms end at sieves of the curve`
+      : "no class of the table of forms contains it; add its forms";
     throw new InputError(
-      `${curve.name}: the class ${general(low)} to ${general(high)} mm has mass, but no class of the table of forms ` +
-        "contains it; add its forms, or remove the column of classes"
+      `${curve.name}: the class ${general(low)} to ${general(high)} mm has mass, but ${lies}, or remove the column of classes`
     );
+  }
+
+  // Returns the one-class porosity of the grains of each class of the curve; NaN for a class without forms or prediction.
+  function oneClassByClass(curve, classes, level) {
+    return curve.mass_fractions.map((share, i) => {
+      const found = containing(...curve.bounds.slice(i, i + 2), classes);
+      return found ? oneClassOf(found.sample, level).n : NaN;
+    });
   }
 
   // Mean and standard deviation of FL and EL over the classes, by mass.
@@ -233,13 +255,18 @@ const Bed = (() => {
     return texts;
   }
 
-  // Returns the change of porosity if the mass of each class grows by 1 % of the whole.
+  // Returns the change of porosity if the mass of each class grows by 1 % of the whole. oneClass: one-class porosity, or
+  // one for each class of the curve; where it is NaN, the class has no mass and the change is NaN.
   function sensitivity(curve, oneClass) {
     const ofRhine = oneClassOf(RHINE, DATA.levels[0]).n;
-    const base = Skeletons.predict(curve, oneClass, ofRhine);
-    return curve.mass_fractions.map((_, index) => {
+    const given = typeof oneClass === "number" ? curve.mass_fractions.map(() => oneClass) : oneClass;
+    const known = given.find((n) => !Number.isNaN(n)); // without mass it has no effect
+    const ofClasses = given.map((n) => (Number.isNaN(n) ? known : n));
+    const base = Skeletons.predict(curve, ofClasses, ofRhine);
+    return given.map((n, index) => {
+      if (Number.isNaN(n)) return NaN;
       const more = curve.mass_fractions.map((share, i) => (share + (i === index ? moreMass : 0)) / (1 + moreMass));
-      return Skeletons.predict({ ...curve, mass_fractions: more }, oneClass, ofRhine) - base;
+      return Skeletons.predict({ ...curve, mass_fractions: more }, ofClasses, ofRhine) - base;
     });
   }
 

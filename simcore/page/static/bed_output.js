@@ -24,7 +24,11 @@ const BedOutput = (() => {
         `${DATA.curve.state} By its state of packing it is between ${number(bed.n_long_shaken)}, shaken for eight seconds, ` +
           `and ${number(bed.n_not_shaken)}, placed and not shaken.${bed.outside ? "" : ` ${DATA.curve.other_beds}`}`
       ),
-      node("p", `One sieve class of these grains has ${oneClass}; the range of sizes lowers it by ${number(bed.n_one_class - bed.n)}.`),
+      node(
+        "p",
+        `${byClass ? "If its classes did not interact, the bed would have" : "One sieve class of these grains has"} ${oneClass}; ` +
+          `the range of sizes lowers it by ${number(bed.n_one_class - bed.n)}.`
+      ),
     ];
     if (byClass) texts.push(node("p", DATA.curve.classes.check));
     if (bed.outside) texts.push(node("p", `* Outside the fitted range: ${bed.outside}.`, "outside"));
@@ -53,11 +57,11 @@ const BedOutput = (() => {
 
   // Returns the rows of the table of classes: bounds, mass, and what 1 % more of it changes.
   function classRows(bed, curve) {
-    const changes = Bed.sensitivity(curve, bed.n_one_class);
+    const changes = Bed.sensitivity(curve, bed.by_class ?? bed.n_one_class);
     const written = (value) => general(value, 4).replace(".", byId("mark").value);
     return curve.mass_fractions
       .map((share, i) => {
-        const signed = `${changes[i] < 0 ? "−" : "+"}${number(Math.abs(changes[i]), 4)}`;
+        const signed = Number.isNaN(changes[i]) ? "–" : `${changes[i] < 0 ? "−" : "+"}${number(Math.abs(changes[i]), 4)}`;
         return row(`${written(curve.bounds[i])} to ${written(curve.bounds[i + 1])} mm`, [number(100 * share, 1), signed]);
       })
       .reverse();

@@ -283,6 +283,7 @@ const Page = (() => {
       texts.push(`Fewer than ${few} grains do not determine the spread of form well.`);
     }
     if (stated && sample !== Bed.RHINE && !Grains.isOneForm(sample)) texts.push(stated);
+    if (sample.mu_EQ > 1 / DATA.nearly_round.least_ratio) texts.push(DATA.nearly_round.text);
     texts.push("The interval is for a new sample, poured and shaken as those of the fit.");
     return texts;
   }

@@ -1,5 +1,6 @@
 """Beds in which each sieve class has its own form."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -11,12 +12,13 @@ from simcore.evaluation.confidence import student_quantile
 from simcore.grains.forms_by_class import class_name, classes_of_table
 from simcore.grains.sampling import sample_grains
 from simcore.grains.sieve import SieveCurve
+from simcore.grains.sieve_table import read_curve
 from simcore.grains.table_file import read_table
 from simcore.models.fitting import fit_reference_models
 from simcore.models.packing_models.curves import split
 from simcore.models.size_and_form.bed_forms import read_bed_forms
-from simcore.models.size_and_form.bed_prediction import predict_curve, rhine_one_class
-from simcore.models.size_and_form.forms_by_class import BY_CLASS, predict_by_class
+from simcore.models.size_and_form.bed_prediction import predict_curve, rhine_one_class, sensitivity
+from simcore.models.size_and_form.forms_by_class import BY_CLASS, one_class_by_class, predict_by_class
 from simcore.models.size_and_form.sized_model import current_model
 from simcore.paths import ROOT
 from simcore.scene.setup import shape_choice
@@ -212,3 +214,64 @@ def test_pack_writes_the_forms_of_each_class(table, tmp_path):
     flatness, is_fine = drawn.S / drawn.I, drawn.D < 5.6e-3
     assert flatness[is_fine].mean() == pytest.approx(flat, abs=0.02)
     assert flatness[~is_fine].mean() == pytest.approx(round_, abs=0.03)
+
+
+def test_what_the_curve_does_is_that_of_the_bed_with_these_forms(fitted, table, tmp_path, capsys):
+    """The printed step and changes are differences of predictions with the forms by class."""
+    path = table(f"2-4 mm,{FLAT}", f"4-16 mm,{ROUND}")
+    sieves = tmp_path / "curve.csv"
+    sieves.write_text("opening [mm],mass [g]\n16,0\n8,40\n4,30\n2,30\n")
+    classes, curve = classes_of(path), read_curve(sieves)[0]
+    row = predict_by_class(curve, classes, fitted).iloc[0]
+    assert main(["predict", str(path), "--sieve", str(sieves)]) == 0
+    text = capsys.readouterr().out
+    assert f"if its classes did not interact, the bed would have the porosity {row.n_one_class:.3f}," in text
+    assert f"and the range of sizes lowers it by {row.n_one_class - row.n:.3f}." in text
+    changes = []
+    for index in range(3):
+        more = curve.mass_fractions + 0.01 * (np.arange(3) == index)
+        more = SieveCurve(curve.bounds, more / more.sum(), "more")
+        changes.append(predict_by_class(more, classes, fitted).n[0] - row.n)
+    assert min(np.abs(changes)) > 2e-4
+    for change in changes:
+        assert f"  {change:+.4f}\n" in text
+    main(["predict", str(path), "--sieve", str(sieves), "--json"])
+    assert json.loads(capsys.readouterr().out)["samples"][0]["sensitivity"] == pytest.approx(changes, abs=1e-12)
+
+
+def test_a_class_without_mass_and_forms_has_no_change_of_porosity(fitted, table):
+    gap = SieveCurve([2e-3, 4e-3, 8e-3, 16e-3], [0.4, 0.0, 0.6], "gap")
+    for labels, known in ((("2-4 mm", "8-16 mm"), False), (("2-4 mm", "4-16 mm"), True)):
+        classes = classes_of(table(*(f"{label},{form}" for label, form in zip(labels, (FLAT, ROUND), strict=True))))
+        changes = sensitivity(gap, one_class_by_class(gap, classes, fitted), fitted)
+        assert np.isfinite(changes).tolist() == [True, known, True]
+
+
+def test_notices_on_few_grains_are_about_classes(table, tmp_path, capsys):
+    path = table("2-4 mm,0.5,0.1,0.7,0.1,40", f"4-8 mm,{FLAT},6", header=f"{HEADER},grains")
+    sieves = tmp_path / "curve.csv"
+    sieves.write_text("opening [mm],mass [g]\n8,0\n4,30\n2,30\n")
+    assert main(["predict", str(path), "--sieve", str(sieves)]) == 0
+    text = capsys.readouterr().out
+    assert "Fewer than 30 grains do not determine the spread of form well: 4-8 mm." in text
+
+
+@pytest.mark.parametrize(
+    ("labels", "message"),
+    [
+        (
+            ("2-10 mm", "10-16 mm"),
+            "only partly within 2 to 10 mm and 10 to 16 mm of the table of forms; let the classes",
+        ),
+        (("2-4 mm", "4-8 mm"), "no class of the table of forms contains it; add its forms, or remove the column"),
+    ],
+)
+def test_a_class_of_the_curve_without_forms_is_an_error(fitted, table, labels, message):
+    classes = classes_of(table(*(f"{label},{ROUND}" for label in labels)))
+    with pytest.raises(ValueError, match=message):
+        predict_by_class(CURVE, classes, fitted)
+
+
+def test_a_class_that_is_written_in_two_ways_is_an_error(table):
+    with pytest.raises(ValueError, match="8-16 mm and 8 to 16 mm are the same class; write it in one way"):
+        classes_of(table(f"8-16 mm,{FLAT}", f"8 to 16 mm,{ROUND}"))
