@@ -18,6 +18,7 @@ from simcore.campaign.cost_table import r22_hours
 from simcore.campaign.study_tables import tabulate
 from simcore.campaign.trend_tables import tabulate_trends
 from simcore.reference.columns import COMMITTED_NAMES
+from simcore.reference.named_tables import read_named_table
 from simcore.scene.identity import result_digest, same_result
 
 log = logging.getLogger(__name__)
@@ -149,7 +150,7 @@ def _ledger(folder):
     if not path.exists():
         return pd.DataFrame(columns=LEDGER)
     # Files of earlier versions lack columns.
-    return pd.read_csv(path, dtype={"packing": str, "settings": str}).reindex(columns=LEDGER)
+    return read_named_table(path, text=("settings", "code", "evaluation")).reindex(columns=LEDGER)
 
 
 def rows_of(study, rows, evaluations, source):
@@ -173,6 +174,20 @@ def rows_of(study, rows, evaluations, source):
     return table[_order(name)]
 
 
+def check_source(folder, study, source):
+    """Raise ValueError if the rows of a study would replace those of other grains, of which the table has no column."""
+    name = table_of(study)
+    if "source" in COLUMNS.get(name, ([],))[0]:
+        return
+    ledger = _ledger(folder)
+    others = sorted(set(ledger.source[ledger.study.map(table_of) == name].dropna()) - {source})
+    if others:
+        raise ValueError(
+            f"{Path(folder) / name}.csv has rows of grains from {', '.join(others)}, and no column for the source of "
+            f"grains; set `reference` to another folder for those from {source}"
+        )
+
+
 def _order(name):
     return ORDER.get(name, [*COLUMNS[name][0], *COLUMNS[name][1], *RESULT])
 
@@ -189,21 +204,31 @@ def trends_of(study, rows, evaluations, source):
 def gather(folder, name, rows):
     """Merge rows into the table `name`.csv in `folder`, sorted; return the new number of rows.
 
-    A new row replaces an existing one of the same packing. ValueError if the existing table has other columns.
+    A new row replaces an existing one of the same packing. ValueError if the existing table has other columns, or if
+    the columns of the table do not distinguish the new rows.
     """
     path = Path(folder) / f"{name}.csv"
     rows = rows.round({column: places for column, places in DECIMALS.items() if column in rows})
     keys = COLUMNS[name][0] if name in COLUMNS else [column for column in rows if column not in RESULT]
+    if (alike := rows[_as_text(rows[keys]).duplicated()]).size:
+        row = ", ".join(f"{key} {value}" for key, value in alike[keys].iloc[0].items())
+        raise ValueError(
+            f"{path}: two packings have the same row, {row}, because the table has no column for the setting in which "
+            "they differ; pack one of them in a study with another name"
+        )
     if path.exists():
-        existing = pd.read_csv(path)
+        existing = read_named_table(path)
         if list(existing) != list(rows):
             raise ValueError(f"{path}: has the columns {', '.join(existing)} and not {', '.join(rows)}; move it")
         rows = pd.concat([existing, rows], ignore_index=True)
-    # Keys are compared as text: 300 of a file equals "300" of a specification, and empty equals empty.
-    texts = rows[keys].map(lambda value: "" if pd.isna(value) else str(value))
-    rows = rows[~texts.duplicated(keep="last")].sort_values(keys, key=_sortable)
+    rows = rows[~_as_text(rows[keys]).duplicated(keep="last")].sort_values(keys, key=_sortable)
     _write(rows, path)
     return len(rows)
+
+
+def _as_text(keys):
+    """Return keys as they are compared: 300 of a file equals "300" of a specification, and empty equals empty."""
+    return keys.map(lambda value: "" if pd.isna(value) else str(value))
 
 
 def _sortable(column):
@@ -249,7 +274,10 @@ def record(folder, table, study, source, packings, made, command, machine):
     }
     path, keys = Path(folder) / "collected.csv", ["table", "study", "source"]
     provenance = {"command": command, "machine": machine}
-    summary = pd.read_csv(path, keep_default_na=False) if path.exists() else pd.DataFrame(columns=[*keys, *provenance])
+    texts_of = dict.fromkeys([*keys, "code", *provenance], str)
+    summary = pd.DataFrame(columns=[*keys, *provenance])
+    if path.exists():
+        summary = pd.read_csv(path, dtype=texts_of, keep_default_na=False)
     entries = summary[(summary[keys] == [entry[name] for name in keys]).all(axis=1)]
     texts = {name: [part for text in entries[name] for part in text.split("; ") if part] for name in provenance}
     of_others = texts["command"] if len(entries) else list(summary.command[summary.study == study])

@@ -15,19 +15,16 @@ import pandas as pd
 from simcore.campaign import deposits
 from simcore.campaign.biases import bias_effects, measured_biases
 from simcore.campaign.gathering import SHOWN_TABLES, not_gathered, table_of
+from simcore.campaign.plan_checks import check_beds, check_names, check_shared_tables
 from simcore.campaign.studies import expand, study_title
-from simcore.evaluation.interval import campaign_cut
 from simcore.grains.sources import set_name, source_name
 from simcore.packing.cost import estimate
-from simcore.packing.forecast import check_bed, typical_grains, with_last_batch
-from simcore.paths import REFERENCE, ROOT
-from simcore.scene.domain import Domain
-from simcore.scene.height import check_height
+from simcore.paths import REFERENCE
+from simcore.scene.sizes import case_spacing, size_curve
 from simcore.scene.specification import resolve
 
 # simcore.models.regression.fewest_samples of the features of mixtures, without importing it for each job
 SMALLEST_MIXTURE_STUDY = 7
-LEAST_MASS = 0.7  # smallest mass that a number of grains may have, over that of as many typical grains
 
 
 def number_pieces(cpu_hours, seeds, max_hours):
@@ -82,30 +79,11 @@ def describe_studies(table, piece_hours):
             f"{row.study:<24}{row.packings:>9}{row.grains:>10}{row.cpu_h:>11.2f}{row.longest_h:>9.2f}{row.pieces:>8}"
         )
     lines.append(
-        f"Estimates are for one thread without compiling. A piece takes at most {piece_hours:g} CPU hours and is a "
-        f"target, such as {table.study.iloc[0]}_piece_1. The studies below `all` are made only if they are requested."
+        f"Estimates are for one thread without compiling. A piece takes at most {piece_hours:g} CPU hours, or is one "
+        f"packing that takes longer; it is a target, such as {table.study.iloc[0]}_piece_1. The studies below `all` "
+        "are made only if they are requested."
     )
     return "\n".join(lines)
-
-
-def check_beds(packings, cut=None):
-    """Raise ValueError if a bed will be too low for its porosity to be evaluated with this cut, or has no space.
-
-    packings: one row per packing, columns study, packing and specification. cut: from the campaign's group `porosity`.
-    """
-    for row in packings.itertuples():
-        specification = row.specification
-        try:
-            density, domain = specification["material"]["density"], Domain(**specification["domain"])
-            grains = typical_grains(specification)
-            # The mass of a number of grains is not known well before they are drawn.
-            known = 1.0 if specification["amount"]["mass"] is not None else LEAST_MASS
-            check_height(domain, known * density * grains.total, density)
-            check_bed(domain, with_last_batch(grains, specification), density, campaign_cut(cut, domain.periodic))
-        except ValueError as error:
-            raise ValueError(
-                f"studies.{row.study}, packing {row.packing}: {error} To evaluate a lower bed, set porosity.cut."
-            ) from None
 
 
 class Plan:
@@ -140,18 +118,9 @@ class Plan:
         self._grain_groups = {set_name(group): group for group in groups}
 
     def check(self):
-        """Raise ValueError if the workflow cannot have a study of such a name, or if a bed will be too low.
-
-        A bed is too low if its porosity cannot be evaluated with the campaign's cut.
-        """
-        rules = _rule_names()
-        for study in self.all_studies:
-            # `<study>_piece_1` and `<study>_left` are targets of a study.
-            of_study = re.fullmatch(r"(.+)_(?:piece_\d+|left)", study)
-            if study in rules or (of_study and of_study[1] in self.all_studies):
-                raise ValueError(f"studies.{study}: a rule of the workflow has this name; choose another name")
-            if study.startswith(deposits.PREFIX):
-                deposits.family(study)
+        """Raise ValueError if the workflow cannot have these studies, or if a bed will be too low; see plan_checks."""
+        check_names(self.all_studies)
+        check_shared_tables(self.packings)
         # Deposits are left out: their fabric is evaluated, with other cuts.
         check_beds(
             self.packings[~self.packings.study.str.startswith(deposits.PREFIX)], self.campaign["porosity"]["cut"]
@@ -229,6 +198,14 @@ class Plan:
     def varied(self, study):
         """Return the names of the columns that a study varies."""
         return list(self.of(study).row.iloc[0]["varied"])
+
+    def curve(self, study, packing):
+        """Return the listed curve of a packing as text, of which its specification has only the name."""
+        sizes = self._rows[study, packing].specification["sizes"]
+        if sizes["case"] is None:
+            return ""
+        curve = size_curve(sizes)
+        return str([curve.bounds.tolist(), curve.mass_fractions.tolist(), case_spacing(sizes)])
 
     # Grains
 
@@ -347,7 +324,7 @@ class Plan:
         """
         if not self.has_default_grains:
             return []
-        single_forms = self.of(*self.studies_named("single_form"))
+        single_forms = self.in_report[self.in_report.study.str.startswith("single_form")]
         packed = {specification["sizes"]["case"] for specification in single_forms.specification}
         return sorted(set(self.campaign["models"]["committed"]) - packed)
 
@@ -359,19 +336,19 @@ class Plan:
 
     @property
     def fits_mixtures(self):
-        """Whether the campaign has enough mixtures of form for a model of them."""
-        return "form_mixtures" in self.studies and len(self.of("form_mixtures")) >= SMALLEST_MIXTURE_STUDY
+        """Whether the campaign has enough mixtures of form with one sieve curve for a model of them."""
+        mixtures = self.of("form_mixtures") if "form_mixtures" in self.studies else self.packings[:0]
+        forms = {}
+        for specification in mixtures.specification:
+            shapes = specification["shapes"]
+            form = str([shapes["flatness"], shapes["elongation"]])
+            forms.setdefault(specification["sizes"]["case"], set()).add(form)
+        return max(map(len, forms.values()), default=0) >= SMALLEST_MIXTURE_STUDY
 
 
 def is_dry_run(words) -> bool:
     """Return whether the words of a command line of Snakemake make it a dry run, such as -n, -np or --dry-run."""
     return any(re.fullmatch(r"-[A-Za-z]*n[A-Za-z]*|--dry-?run", word) for word in words)
-
-
-def _rule_names():
-    """Return the names of the rules that are the same in each campaign, as a set."""
-    files = [file for file in (ROOT / "workflow").rglob("*") if file.suffix == ".smk" or file.name == "Snakefile"]
-    return {name for file in files for name in re.findall(r"(?m)^ *rule (\w+):", file.read_text(encoding="utf-8"))}
 
 
 def _cost(row):

@@ -7,8 +7,6 @@ import pandas as pd
 
 from simcore.reference.columns import FORM
 
-NAMES = ("study", "packing", "case", "grain", "source", "sample")  # columns with names that a user chooses
-
 
 def tabulate(study, rows, evaluations):
     """Return a DataFrame with one row per packing of a study.
@@ -50,11 +48,6 @@ def tabulate(study, rows, evaluations):
             }
         )
     return pd.DataFrame(table)
-
-
-def read_study_table(path):
-    """Read a table of a study. Names are text: a grain may be named 12, 1e5 or NA."""
-    return pd.read_csv(path, dtype=dict.fromkeys(NAMES, str), keep_default_na=False, na_values=[""])
 
 
 def summarise(packings, varied):

@@ -11,6 +11,7 @@
 import pandas as pd
 
 from simcore.reference.columns import FORM, SPECIFIED_FORM, SPECIFIED_MEANS, study_names
+from simcore.reference.named_tables import read_named_table
 
 FITTED_KIND = "polyhedron"  # real grains have facets, so ellipsoids are not fitted
 SOURCE_OF_MIXTURES = "synthetic"  # mixtures are drawn around synthetic grains; their table has no column for it
@@ -53,7 +54,7 @@ def read_single_forms(path, source=None, cases=None):
     Columns: case, source ("" if the file has none), grain (with its source), L, I, S (full axes, any one unit) and n,
     the porosity. The file is one of the committed tables or the table of a study. source, cases: as in `fitted_forms`.
     """
-    table = pd.read_csv(path, keep_default_na=False, na_values="")  # a grain may be named NA
+    table = read_named_table(path)
     if "source" not in table:
         table = table.assign(source="")
     table = fitted_forms(table, source, cases)
@@ -68,7 +69,7 @@ def read_mixtures(path):
 
     The file is one of the committed tables or the table of a study.
     """
-    return fitted_mixtures(pd.read_csv(path).rename(columns=study_names(*SPECIFIED_FORM)))
+    return fitted_mixtures(read_named_table(path).rename(columns=study_names(*SPECIFIED_FORM)))
 
 
 def read_cases_of_single_forms(path, cases):

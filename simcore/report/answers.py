@@ -11,6 +11,7 @@ from simcore.grains.sieve import read_cases
 from simcore.models.formulas import BEDS, formulas
 from simcore.models.scatter import line_of_row, scatter_of
 from simcore.paths import CONFIG
+from simcore.reference.named_tables import read_named_table
 from simcore.reference.r22_tables import rhine_statistics
 from simcore.report.page import bullets, folded, paragraph, rows_table
 from simcore.report.tables import read_table
@@ -50,7 +51,7 @@ def answer(models):
 
     models: dict from names such as single_form to the paths of tables of coefficients; empty without a formula.
     """
-    rows = [pd.read_csv(models[name]) for name in BEDS if name in models]
+    rows = [read_named_table(models[name]) for name in BEDS if name in models]
     written = pd.concat([formulas(table) for table in rows], ignore_index=True) if rows else pd.DataFrame()
     if written.empty:
         return []
@@ -68,7 +69,7 @@ def answer(models):
 
 def one_form_models(models):
     """Return the coefficients of the models of one form, a dict from the case to a DataFrame indexed by term."""
-    rows = pd.read_csv(models["single_form"])
+    rows = read_named_table(models["single_form"])
     rows = rows[rows["model"] == "single_form"]
     if "source" in rows and rows["source"].nunique() > 1:
         rows = rows[rows["source"] == rows["source"].iloc[0]]
@@ -174,7 +175,7 @@ def _in_short(tables):
                     f"shaken in the same way, have a porosity within {2.0 * scatter:.3f} of the model."
                 )
     if "validation" in tables:
-        rows = pd.read_csv(tables["validation"])
+        rows = read_named_table(tables["validation"])
         if "experiment_n" in rows and rows["experiment_n"].notna().any():
             error = (rows["n"] - rows["experiment_n"]).abs()
             of_several = f" on average and by {error.max():.3f} at most" if len(error.dropna()) > 1 else ""
@@ -189,7 +190,7 @@ def _left_out(tables):
     """Return a sentence on the cross-validated errors of our models."""
     errors = []
     for name in set(BEDS) & set(tables):
-        rows = pd.read_csv(tables[name])
+        rows = read_named_table(tables[name])
         errors += list(rows.loc[rows["model"] == name, "mean_absolute_error"].dropna())
     if not errors:
         return []
@@ -201,7 +202,7 @@ def _left_out(tables):
 def _published_models(tables):
     if "unified_feature_sets" not in tables:
         return []
-    rows = pd.read_csv(tables["unified_feature_sets"])
+    rows = read_named_table(tables["unified_feature_sets"])
     rows = rows[rows["model"] == "r22"]
     return [
         f"The two published models of Rettinger et al., applied to our packings of {row.case}, have a mean error of "
@@ -214,7 +215,7 @@ def unseen(tables):
     """Return a sentence on packings to which no model was fitted, in a list; it is empty without their predictions."""
     if "application_predictions" not in tables:
         return []
-    rows = pd.read_csv(tables["application_predictions"])
+    rows = read_named_table(tables["application_predictions"])
     name = "unified_abs_error" if rows.get("unified_abs_error", pd.Series(dtype=float)).notna().any() else "abs_error"
     if name not in rows or rows[name].isna().all():
         return []
@@ -233,7 +234,7 @@ def replaced_by_ellipsoids(tables):
         f"{row.case}: the porosity of polyhedra minus that of their ellipsoids is "
         f"{rounded(row.mean_difference, decimals=4, sign='+')} on average and {row.rms_difference:.4f} root mean "
         f"square over {row.forms} forms."
-        for row in pd.read_csv(tables["shape_kinds"]).itertuples()
+        for row in read_named_table(tables["shape_kinds"]).itertuples()
     ]
 
 
@@ -242,7 +243,7 @@ def _sampling(tables):
     path = tables.get("single_form_porosities")
     if path is None:
         return []
-    rows = pd.read_csv(path)
+    rows = read_named_table(path)
     if "n_std_error" not in rows or "grains" not in rows:
         return []
     return [
@@ -260,7 +261,7 @@ def check(own, committed, titles, committed_biases=None):
     rows, sizes = [], []
     for study, path in own.items():
         if study in committed:
-            compared = _same_settings(pd.read_csv(path), pd.read_csv(committed[study]))
+            compared = _same_settings(read_named_table(path), read_named_table(committed[study]))
             if len(compared):
                 errors = np.hypot(compared["n_std_error_own"], compared["n_std_error_committed"])
                 error = np.sqrt((errors**2).sum(skipna=False)) / len(compared)
@@ -298,7 +299,7 @@ def _sizes_in_words(ratios):
 
 def _effect_of_size(path):
     """Return a paragraph on the measured effect of small beds, in a list that is empty without a table of biases."""
-    rows = pd.DataFrame({"of": []}) if path is None else pd.read_csv(path)
+    rows = pd.DataFrame({"of": []}) if path is None else read_named_table(path)
     rows = rows[rows["of"] == SIZE]
     if rows.empty:
         return []

@@ -24,6 +24,7 @@ from simcore.models.unified import UNIFIED, unified_features, unified_models
 from simcore.paths import CONFIG
 from simcore.reference.columns import FORM, SPECIFIED_FORM, SPECIFIED_MEANS, study_names
 from simcore.reference.committed_rows import SOURCE_OF_MIXTURES, fitted_forms, fitted_mixtures
+from simcore.reference.named_tables import read_named_table
 from simcore.reference.r22_comparison import add_reference
 from simcore.reference.r22_tables import parse_r22_models, read_r22_table, rhine_statistics
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
@@ -68,7 +69,7 @@ def gathered_packings(folder, studies):
     path = Path(folder) / "collected.csv"
     if not path.exists():
         return {}
-    rows = pd.read_csv(path)
+    rows = read_named_table(path)
     return {"collected": rows[rows["study"].isin(studies)].drop(columns=["table", "command"])}
 
 
@@ -90,7 +91,7 @@ def read_rows(path):
     The statistics over the grains of a packing come from the columns L, I, S if there are any, else from the columns
     mu_EQ to sigma_EL. Cases are in the order of config/cases.tsv, followed by all others.
     """
-    table = pd.read_csv(path)
+    table = read_named_table(path)
     table = table.rename(columns={**study_names(), "run": "seed"})
     rank = {case: i for i, case in enumerate(read_cases(CONFIG / "cases.tsv"))}
     table = table.sort_values("case", key=lambda case: case.map(rank), kind="stable", ignore_index=True)
@@ -260,7 +261,7 @@ def _trends(folder, studies):
     """Return the trends over height of these studies, or of all."""
     if not (folder / "trends.csv").exists():
         return Findings()
-    trends = pd.read_csv(folder / "trends.csv")
+    trends = read_named_table(folder / "trends.csv")
     trends = trends if studies is None else trends[trends["study"].isin(studies)]
     if trends.empty:
         return Findings()

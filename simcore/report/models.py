@@ -2,7 +2,6 @@
 
 import pandas as pd
 
-from simcore.campaign.study_tables import NAMES
 from simcore.grains.form import features as form_features
 from simcore.models.mixtures import application_table, mixture_models
 from simcore.models.shape_kinds import pair_shape_kinds, shape_kind_table
@@ -11,6 +10,7 @@ from simcore.models.tables import compare_predictions, over_seeds
 from simcore.models.unified import unified_models
 from simcore.reference.columns import SPECIFIED_MEANS
 from simcore.reference.columns.headings import find_heading
+from simcore.reference.named_tables import NAMES
 from simcore.reference.r22_comparison import add_reference
 from simcore.reference.r22_tables import read_r22_table, rhine_statistics
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure

@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 from markupsafe import Markup
 
-from simcore.campaign.study_tables import NAMES, read_study_table
 from simcore.evaluation.rounding import error_decimals, rounded
 from simcore.grains.form import FORM_FACTORS
 from simcore.reference.columns import find_column
 from simcore.reference.columns.headings import ERRORS, HEADINGS, find_heading
+from simcore.reference.named_tables import NAMES, read_named_table
 from simcore.reference.r22_tables import read_r22_table
 from simcore.report.words import value_in_words
 
@@ -100,7 +100,7 @@ class ShownTable(NamedTuple):
 
 def read_table(path):
     """Read a CSV file without the column `note`, because the banner of the page has the same text."""
-    return read_study_table(path).drop(columns="note", errors="ignore")
+    return read_named_table(path).drop(columns="note", errors="ignore")
 
 
 def show_table(rows, name, details=DETAILS):

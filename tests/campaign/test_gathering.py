@@ -6,12 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from simcore.campaign.gathering import LEDGER, gather, not_gathered, record, rows_of, table_of, trends_of
+from simcore.campaign.gathering import LEDGER, check_source, gather, not_gathered, record, rows_of, table_of, trends_of
 from simcore.campaign.trend_tables import summarise_trends
 from simcore.evaluation.evaluate import evaluate
 from simcore.grains.sources import source_name
 from simcore.models.fitting import fit_reference_models
 from simcore.reference.columns import find_column
+from simcore.reference.committed_rows import read_single_forms
+from simcore.reference.named_tables import read_named_table
 from simcore.scene.identity import result_digest
 from simcore.scene.specification import resolve
 from tests.helpers.packings import make_packing
@@ -191,6 +193,58 @@ def test_rows_are_sorted_by_numbers_and_then_words(tmp_path):
     for faces in ([300, 50], ["original"], [2000]):
         gather(tmp_path, "numbers", pd.DataFrame({"faces": faces, "n": 0.4}))
     assert pd.read_csv(tmp_path / "numbers.csv")["faces"].tolist() == ["50", "300", "2000", "original"]
+
+
+@pytest.mark.parametrize("names", [("007", "008"), ("1e5", "NA"), ("12", "nan")])
+def test_names_of_grains_that_look_like_numbers_are_text(tmp_path, names):
+    rows, beds = [], []
+    for name in names:
+        rows.append({"packing": name, "varied": {"case": "U1", "seed": 1}})
+        beds.append(evaluated(specify(choice="one", grain=name)))
+    table = rows_of("single_form", rows, beds, "2024")
+    assert [gather(tmp_path, "single_form", table) for _ in range(2)] == [2, 2]
+    written = read_named_table(tmp_path / "single_form.csv")
+    assert sorted(written.grain) == sorted(names) and set(written.source) == {"2024"}
+    assert sorted(read_single_forms(tmp_path / "single_form.csv").grain) == sorted(f"2024 {name}" for name in names)
+
+
+@pytest.mark.parametrize("source", ["2024", "NA", "synthetic"])
+def test_a_source_of_any_name_is_found_in_the_ledger(tmp_path, source):
+    planned = [{"row": {"packing": "1e3"}, "specification": specify(), "cpu_h": 1.0}]
+    made = pd.DataFrame(
+        {"packing": ["1e3"], "settings": result_digest(specify()), "cpu_s": 1.0, "grain_steps": 1, "code": "12e4567"}
+    ).assign(evaluation="0123456")
+    for _ in range(2):
+        record(tmp_path, "t", "study", source, planned, made, command="c", machine="m")
+        assert not_gathered(tmp_path, "study", source, planned) == []
+    ledger = (tmp_path / "gathered.csv").read_text().splitlines()
+    assert len(ledger) == 2 and ledger[1].endswith(",12e4567,0123456")
+    assert len((tmp_path / "collected.csv").read_text().splitlines()) == 2
+
+
+def test_packings_that_the_columns_do_not_distinguish_are_refused(tmp_path):
+    """A study of frictions would leave one row of each grain, the last one."""
+    rows = [{"packing": f"friction_{mu}", "varied": {"case": "U1", "friction": mu, "seed": 1}} for mu in (0.3, 0.9)]
+    beds = [evaluated(specify(choice="one", grain="G02"))] * 2
+    with pytest.raises(ValueError, match="two packings have the same row, .* grain G02, .* another name"):
+        gather(tmp_path, "single_form", rows_of("single_form", rows, beds, "synthetic"))
+    assert not (tmp_path / "single_form.csv").exists()
+    assert gather(tmp_path, "rough", rows_of("rough", rows, beds, "synthetic")) == 2
+
+
+def test_rows_of_other_grains_do_not_replace_those_of_a_table_without_a_source(tmp_path):
+    planned = [{"row": {"packing": "p"}, "specification": specify(), "cpu_h": 1.0}]
+    made = pd.DataFrame(
+        {"packing": ["p"], "settings": "s", "cpu_s": 1.0, "grain_steps": 1, "code": "", "evaluation": ""}
+    )
+    check_source(tmp_path, "form_mixtures", "scans")
+    for study in ("form_mixtures", "single_form"):
+        record(tmp_path, table_of(study), study, "synthetic", planned, made, command="c", machine="m")
+        check_source(tmp_path, study, "synthetic")
+    check_source(tmp_path, "single_form", "scans")
+    check_source(tmp_path, "friction", "scans")
+    with pytest.raises(ValueError, match="form_mixture.csv has rows of grains from synthetic, and no column .* scans$"):
+        check_source(tmp_path, "form_mixtures_wide", "scans")
 
 
 def test_a_key_that_is_left_open_is_the_same_in_a_file(tmp_path):

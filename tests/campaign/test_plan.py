@@ -1,6 +1,7 @@
 """The plan of a campaign: hours, pieces, ranks, time and memory of studies, packings left and models fitted."""
 
 import copy
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -14,11 +15,13 @@ from simcore.campaign.plan import (
     is_dry_run,
     number_pieces,
 )
+from simcore.campaign.plan_checks import check_shared_tables
 from simcore.evaluation.interval import campaign_cut
 from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import fewest_samples
 from simcore.packing.cost import PackingCost, estimate
 from simcore.scene.identity import result_digest
+from simcore.scene.sizes import all_cases
 from simcore.scene.specification import resolve
 
 CAMPAIGN = {
@@ -189,10 +192,23 @@ def test_the_smallest_study_of_mixtures_is_the_smallest_that_is_fitted():
     assert SMALLEST_MIXTURE_STUDY == fewest_samples(MIXTURE)
 
 
-@pytest.mark.parametrize("packings", [SMALLEST_MIXTURE_STUDY - 1, SMALLEST_MIXTURE_STUDY])
-def test_a_model_of_mixtures_needs_enough_of_them(packings):
-    study = {"fixes": {"shapes": {"kind": "sphere"}}, "varies": {"seed": list(range(packings))}}
-    assert plan_of(studies={"form_mixtures": study}).fits_mixtures == (packings == SMALLEST_MIXTURE_STUDY)
+FEW = {"sizes": {"allow_few_top_grains": True}}
+
+
+def mixtures(number, **varies):
+    """Return a study of `number` distributions of form."""
+    means = [{"shapes.flatness.mean": 0.5 + 0.02 * i, "shapes.elongation.mean": 0.7} for i in range(number)]
+    deviations = {"flatness": {"mean": 0.5, "std": 0.1}, "elongation": {"mean": 0.7, "std": 0.1}}
+    return {"fixes": {"shapes": {"choice": "form_distribution", **deviations}}, "varies": {"means": means, **varies}}
+
+
+@pytest.mark.parametrize("number", [SMALLEST_MIXTURE_STUDY - 1, SMALLEST_MIXTURE_STUDY])
+def test_a_model_of_mixtures_needs_enough_of_them(number):
+    """Packings that differ in their seed are one mixture, and each sieve curve has a model of its own."""
+    enough = number == SMALLEST_MIXTURE_STUDY
+    assert plan_of(studies={"form_mixtures": mixtures(number, seed=[1, 2])}).fits_mixtures == enough
+    cases = ["U1", "U3"]
+    assert plan_of(studies={"form_mixtures": mixtures(number, **{"sizes.case": cases})}).fits_mixtures == enough
     assert not plan_of().fits_mixtures
 
 
@@ -253,11 +269,14 @@ def test_a_bed_too_low_is_refused_with_its_name():
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("report", "studies.report: a rule of the workflow has this name; choose another name"),
-        ("all", "studies.all: a rule of the workflow has this name"),
-        ("shape_kinds", "studies.shape_kinds: a rule of the workflow has this name"),
-        ("mine_piece_1", "studies.mine_piece_1: a rule of the workflow has this name"),
-        ("mine_left", "studies.mine_left: a rule of the workflow has this name"),
+        ("report", "studies.report: a rule or a table of the workflow has this name; choose another name"),
+        ("all", "studies.all: a rule or a table of the workflow has this name"),
+        ("shape_kinds", "studies.shape_kinds: a rule or a table of the workflow has this name"),
+        ("mine_piece_1", "studies.mine_piece_1: a rule or a table of the workflow has this name"),
+        ("mine_left", "studies.mine_left: a rule or a table of the workflow has this name"),
+        ("mine_packings", "studies.mine_packings: a rule or a table of the workflow has this name"),
+        ("mine_features", "studies.mine_features: a rule or a table of the workflow has this name"),
+        ("mine_trends", "studies.mine_trends: a rule or a table of the workflow has this name"),
         (
             "deposit_mine",
             "studies.deposit_mine: the name has no known family; names of deposits begin with deposit_map",
@@ -276,10 +295,41 @@ def test_an_error_of_one_packing_names_its_study():
         plan_of(studies={"mine": {"fixes": fixes}})
 
 
-def test_a_study_outside_all_makes_no_model_of_mixtures():
-    study = {"varies": {"seed": list(range(1, 1 + SMALLEST_MIXTURE_STUDY))}, "fixes": {"shapes": {"kind": "sphere"}}}
+def test_a_study_outside_all_makes_no_model():
+    study = mixtures(SMALLEST_MIXTURE_STUDY)
     assert plan_of(studies={"form_mixtures": study}).fits_mixtures
     assert not plan_of(studies={"form_mixtures": {**study, "in_all": False}}).fits_mixtures
+    # Committed rows are fitted for a case that only a study outside `all` packs.
+    wide = {"in_all": False, "varies": {"sizes.case": ["U5"]}, "forms": {"spread": 2}, "fixes": FEW}
+    both = CAMPAIGN["studies"] | {"single_form_wide": wide}
+    assert plan_of(models={"committed": ["U5"]}, studies=both).cases_committed == ["U5"]
+
+
+def test_studies_of_one_table_have_the_same_settings():
+    """One table and one model would mix their packings, and a row of one would replace that of the other."""
+    rough = {"fixes": {"material": {"friction": 0.9}}, "varies": {"sizes.case": ["U1"]}, "forms": {"spread": 2}}
+    smooth = CAMPAIGN["studies"]["single_form"]
+    message = r"single_form_rough: single_form/\S* and single_form_rough/\S* have .* differ in material.friction,"
+    with pytest.raises(ValueError, match=message):
+        check_shared_tables(plan_of(studies={"single_form": smooth, "single_form_rough": rough}).packings)
+    check_shared_tables(plan_of(studies={"single_form": smooth, "friction_single_form": rough}).packings)
+    wide = {"varies": {"sizes.case": ["U5"]}, "forms": {"spread": 2}, "fixes": FEW}
+    check_shared_tables(plan_of(studies={"single_form": smooth, "single_form_wide": wide}).packings)
+    varied = {"form_mixtures": mixtures(2, **{"material.friction": [0.3, 0.9]})}
+    with pytest.raises(ValueError, match="studies.form_mixtures: .* differ in material.friction"):
+        check_shared_tables(plan_of(studies=varied).packings)
+
+
+def test_the_curve_of_a_listed_case_is_known_to_the_packing(monkeypatch):
+    """Snakemake packs again if a sieve curve is changed, although the specification has only its name."""
+    plan = plan_of()
+    (first,) = plan.of("single_form").packing[:1]
+    before = plan.curve("single_form", first)
+    cases = dict(all_cases())
+    changed = replace(cases["U1"].curve, bounds=1.1 * cases["U1"].curve.bounds)
+    cases["U1"] = replace(cases["U1"], curve=changed)
+    monkeypatch.setattr("simcore.scene.sizes.all_cases", lambda: cases)
+    assert plan.curve("single_form", first) != before
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import yaml
 
 from benchmarks.studies.scatter import FORM
 from simcore.__main__ import main
-from simcore.campaign.plan import check_beds
+from simcore.campaign.plan_checks import check_beds
 from simcore.campaign.studies import expand, merge
 from simcore.campaign.study_tables import tabulate
 from simcore.evaluation.evaluate import evaluate

@@ -86,6 +86,10 @@ def unless_none(paths, there_are, overlay):
     return inputs
 
 
+def curve(wildcards):
+    return plan.curve(wildcards.study, wildcards.packing)
+
+
 def ranks(wildcards):
     return plan.ranks(wildcards.study, wildcards.packing)
 

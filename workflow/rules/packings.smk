@@ -71,6 +71,7 @@ rule packing:
             "simcore/packing/process.py",
             "simcore/packing/file.py",
         ),
+        curve=curve,
         checkpoints=f"{plan.results}/checkpoints",
     # The checkpoints are not an output, so that an interrupted packing resumes from them. Each study has its own folder
     # of checkpoints, because two studies may have the same packing, and only one process per folder may run a scene.

@@ -1,0 +1,81 @@
+"""Checks of a campaign before its first packing: names of studies, shared tables, and heights of beds."""
+
+import re
+
+from simcore.campaign import deposits
+from simcore.campaign.gathering import table_of
+from simcore.evaluation.interval import campaign_cut
+from simcore.packing.forecast import check_bed, typical_grains, with_last_batch
+from simcore.paths import ROOT
+from simcore.scene.domain import Domain
+from simcore.scene.height import check_height
+from simcore.scene.identity import deciding_result, differing_keys, without
+
+LEAST_MASS = 0.7  # smallest mass that a number of grains may have, over that of as many typical grains
+# `<study>_piece_1` and `<study>_left` are targets of a study, and the others end the names of its tables.
+_OF_STUDY = re.compile(r"(.+)_(?:piece_\d+|left|packings|features|trends)")
+# For each table that studies share: what distinguishes its rows besides the seed, as keys of a specification.
+_DISTINGUISH = {
+    "single_form": (("sizes", "case"), ("shapes", "grain"), ("shapes", "kind")),
+    "form_mixture": (("sizes", "case"), ("shapes", "flatness"), ("shapes", "elongation")),
+}
+
+
+def check_names(studies) -> None:
+    """Raise ValueError if the workflow cannot have a study of one of these names."""
+    rules = _rule_names()
+    for study in studies:
+        of_study = _OF_STUDY.fullmatch(study)
+        if study in rules or (of_study and of_study[1] in studies):
+            raise ValueError(f"studies.{study}: a rule or a table of the workflow has this name; choose another name")
+        if study.startswith(deposits.PREFIX):
+            deposits.family(study)
+
+
+def _rule_names():
+    """Return the names of the rules that are the same in each campaign, as a set."""
+    files = [file for file in (ROOT / "workflow").rglob("*") if file.suffix == ".smk" or file.name == "Snakefile"]
+    return {name for file in files for name in re.findall(r"(?m)^ *rule (\w+):", file.read_text(encoding="utf-8"))}
+
+
+def check_shared_tables(packings) -> None:
+    """Raise ValueError if packings that a shared table does not distinguish differ in another setting than the seed.
+
+    Studies whose packings share a committed table share a model too. packings: one row per packing, columns study,
+    packing, source and specification.
+    """
+    first = {}
+    for row in packings.itertuples():
+        keys = _DISTINGUISH.get(table_of(row.study))
+        if keys is None:
+            continue
+        values = [row.specification[group][key] for group, key in keys]
+        settings = without(deciding_result(row.specification), (("seed",),))
+        other, its_settings = first.setdefault((table_of(row.study), row.source, str(values)), (row, settings))
+        if names := differing_keys(its_settings, settings):
+            both = " and ".join(dict.fromkeys([f"{other.study}/{other.packing}", f"{row.study}/{row.packing}"]))
+            raise ValueError(
+                f"studies.{row.study}: {both} have the same sieve curve and form and differ in {', '.join(names)}, and "
+                "one table and one model would mix them; give the study of one of them another name, such as "
+                f"friction_{row.study}"
+            )
+
+
+def check_beds(packings, cut=None):
+    """Raise ValueError if a bed will be too low for its porosity to be evaluated with this cut, or has no space.
+
+    packings: one row per packing, columns study, packing and specification. cut: from the campaign's group `porosity`.
+    """
+    for row in packings.itertuples():
+        specification = row.specification
+        try:
+            density, domain = specification["material"]["density"], Domain(**specification["domain"])
+            grains = typical_grains(specification)
+            # The mass of a number of grains is not known well before they are drawn.
+            known = 1.0 if specification["amount"]["mass"] is not None else LEAST_MASS
+            check_height(domain, known * density * grains.total, density)
+            check_bed(domain, with_last_batch(grains, specification), density, campaign_cut(cut, domain.periodic))
+        except ValueError as error:
+            raise ValueError(
+                f"studies.{row.study}, packing {row.packing}: {error} To evaluate a lower bed, set porosity.cut."
+            ) from None
