@@ -295,4 +295,7 @@ def record(folder, table, study, source, packings, made, command, machine):
 
 def _write(table, path):
     path.parent.mkdir(parents=True, exist_ok=True)
-    table.to_csv(path, index=False, lineterminator="\n")
+    # A process that is killed leaves the former table.
+    part = path.with_name(f".{path.name}.part")
+    table.to_csv(part, index=False, lineterminator="\n")
+    part.replace(path)

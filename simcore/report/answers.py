@@ -239,16 +239,18 @@ def replaced_by_ellipsoids(tables):
 
 
 def _sampling(tables):
-    """Return a sentence on the typical sampling error of the packings of one form."""
+    """Return a sentence on the typical sampling error of a packing of one form, with the most frequent sieve curve."""
     path = tables.get("single_form_porosities")
     if path is None:
         return []
     rows = read_named_table(path)
-    if "n_std_error" not in rows or "grains" not in rows:
+    if not {"n_std_error", "grains", "runs", "case"} <= set(rows):
         return []
+    of_case = rows[rows["case"] == rows["case"].mode()[0]]
+    error = (of_case["n_std_error"] * np.sqrt(of_case["runs"])).median()  # that of a row is of the mean of its runs
     return [
-        f"The porosity of a packing of {rows['grains'].median():.0f} grains has a sampling error of "
-        f"{rows['n_std_error'].median():.4f}, the median over the packings of one form."
+        f"The porosity of a packing of {of_case['grains'].median():.0f} grains of one form with the sieve curve "
+        f"{of_case['case'].iloc[0]} has a sampling error of {error:.4f}, the median over the forms."
     ]
 
 

@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-import pandas as pd
-
 from simcore.paths import R22_TABLES
+from simcore.reference.named_tables import read_named_table
 from simcore.report.answers import answer, by_stem, check, how_sure, replaced_by_ellipsoids, unseen
 from simcore.report.page import Section, folded, is_picture, page, paragraph, picture, table
 from simcore.report.sections import (
@@ -32,10 +31,11 @@ GRAINS = (
     "functions of the axes L, I and S; their definitions are at the end of this section."
 )
 FIRST_PACKING = "First packing: picture, and porosity over the height"
+FEW_GRAINS = 0.5  # share of the committed number of grains, below which a bed is small
 CHECK_HEADING, OWN_STUDIES = "Check: what this campaign packed itself", "This campaign: "
 LARGEST = (
-    "This page begins with the largest committed campaign, from its tables in results/reference. Below it are the "
-    "packings of this campaign, as a check: settings that both have are compared."
+    "This page begins with the committed rows, of packings that were gathered before. Below them are the packings of "
+    "this campaign, as a check: settings that both have are compared."
 )
 
 
@@ -108,7 +108,7 @@ def _studies(files, models, texts, captions, committed):
     page begins, or None; the packings of the campaign are then a check, and their pictures are folded.
     """
     before = {"application": unseen(models), "equivalent_ellipsoids": replaced_by_ellipsoids(models)}
-    remarks, is_check = _remarks(committed), committed is not None
+    remarks, is_check = _remarks(committed, by_stem(files.tables)), committed is not None
     titles, questions, biases = texts
     by_study = zip(files.tables, files.packings, files.study_figures, files.pictures, files.profiles, strict=True)
     sections = {}
@@ -133,13 +133,17 @@ def _with_captions(pictures, captions):
     return [(path, read_caption(captions, kind)) for path, kind in zip(pictures, STUDY_PICTURES, strict=True)]
 
 
-def _remarks(committed):
-    """Return sentences that explain studies of small beds by the committed ones, lists by study."""
+def _remarks(committed, own):
+    """Return sentences that explain studies of small beds by the committed ones, lists by study.
+
+    committed: their folder, or None. own: paths of the tables of this campaign by study.
+    """
     path = None if committed is None else Path(committed) / "validation.csv"
-    if path is None or not path.exists():
+    if path is None or not path.exists() or "validation" not in own:
         return {}
-    percent = pd.read_csv(path)["experiment_error_percent"].dropna()
-    if percent.empty:
+    larger, smaller = (read_named_table(each).groupby("case") for each in (path, own["validation"]))
+    percent = larger["experiment_error_percent"].mean().dropna()
+    if percent.empty or not (smaller["grains"].max() / larger["grains"].mean()).min() < FEW_GRAINS:
         return {}
     text = (
         "A narrow cylinder with few grains is looser at its wall. In the cylinder of Rettinger et al. with 3 kg, the "

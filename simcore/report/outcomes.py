@@ -5,6 +5,7 @@ import pandas as pd
 from scipy.special import chdtrc  # scipy.stats has the same values but loads slowly
 
 from simcore.evaluation.rounding import rounded
+from simcore.reference.columns import find_column
 from simcore.reference.columns.headings import find_heading
 from simcore.report.words import value_in_words
 
@@ -12,6 +13,9 @@ CLEAR = 2.0  # a difference of two packings by more standard errors is not expla
 CHANCE = 0.05  # probability, below which the differences of several settings are not explained by their scatter
 FEW = 3  # with fewer rows a figure shows less than the sentence
 _SWEEPS = ("shaking_s", "width_m", "faces", "contact_time_s", "steps_per_contact_time", "mass_kg", "drop_height")
+# Columns of the form of the grains, which may vary with the setting that a sentence is about.
+_OF_FORM = {"case", "grain", "shape_kind", "flatness", "elongation", "mean_FL", "std_FL", "mean_EL", "std_EL"}
+_OF_FORM |= {"FL", "EL", "EQ"}
 # Columns of a study's table that it does not vary.
 _NOT_VARIED = {"study", "source", "seed", "packing"}
 
@@ -56,15 +60,14 @@ def _experiment(table):
     rows = table[table["experiment_n"].notna()]
     percent = rows["experiment_error_percent"]
     within = int((percent.abs() <= 5.0).sum())
+    what = "settings" if rows["case"].duplicated().any() else "sieve curves"
     sentence = (
         f"The simulated porosity differs from the measured one by {_signed(percent.min(), 1)} to "
         f"{_signed(percent.max(), 1)} %"
         if len(rows) > 1
         else f"The simulated porosity differs from the measured one by {_signed(percent.iloc[0], 1)} %"
     )
-    sentences = [
-        f"{sentence}; {within} of {len(rows)} sieve curves are within 5 %." if len(rows) > 1 else f"{sentence}."
-    ]
+    sentences = [f"{sentence}; {within} of {len(rows)} {what} are within 5 %." if len(rows) > 1 else f"{sentence}."]
     published = rows["r22_error_percent"].dropna() if "r22_error_percent" in rows else pd.Series(dtype=float)
     if len(published) > 1:
         sentences.append(
@@ -89,6 +92,7 @@ def _sweep(table, name):
         lowest, highest = rows[name].iloc[0], rows[name].iloc[-1]
         changes, squares = [], []
         for _, alike in rows.groupby(others, sort=False, dropna=False) if others else [((), rows)]:
+            alike = alike[alike["n"].notna()]
             low, high = alike[alike[name] == lowest], alike[alike[name] == highest]
             if lowest != highest and len(low) and len(high):
                 changes.append(high["n"].iloc[0] - low["n"].iloc[0])
@@ -126,9 +130,9 @@ def _round_ones(table):
     """Return the porosity of spheres and the lowest one of ellipsoids near them, for each sieve curve."""
     table = table.assign(ratio=1.0 / (table["flatness"].fillna(1.0) * table["elongation"].fillna(1.0)))
     sentences = []
-    for case, rows in table.groupby("case", sort=False) if "case" in table else [("", table)]:
+    for named, rows in _groups(table, ["case"]):
         lowest = rows.loc[rows["n"].idxmin()]
-        start = f"{case}: the" if case and table["case"].nunique() > 1 else "The"
+        start = f"{named}: the" if named else "The"
         value = rounded(lowest["n"], lowest["n_std_error"])
         if len(rows) == 1:
             sentences.append(f"{start} porosity for {_ratio(lowest)} is {value}.")
@@ -151,12 +155,10 @@ def _ratio(row):
 
 
 def _forms(table):
-    """Return the range of porosity over the forms, for each sieve curve and source of grains."""
+    """Return the range of porosity over the forms, for each source of grains, sieve curve and other setting."""
     sentences = []
-    keys = [name for name in ("source", "case") if name in table and table[name].nunique() > 1]
-    for values, rows in table.groupby(keys, sort=False) if keys else [((), table)]:
+    for names, rows in _groups(table, ["source", "case"]):
         low, high = rows.loc[rows["n"].idxmin()], rows.loc[rows["n"].idxmax()]
-        names = ", ".join(value_in_words(name, value) for name, value in zip(keys, values, strict=True))
         ratio, what = ("L/S", "forms") if "grain" in table else ("1/mean S/L", "distributions of form")
         form = [name for name in ("grain", "mean_FL", "std_FL", "mean_EL", "std_EL") if name in rows]
         count = len(rows[form].drop_duplicates())
@@ -167,6 +169,27 @@ def _forms(table):
         text = f"{names}: {text}" if names else text
         sentences.append(text[0].upper() + text[1:])
     return sentences
+
+
+def _groups(table, first):
+    """Return (label, rows) of the rows that differ only in form; first: columns that the labels begin with."""
+    keys = [name for name in first if name in table and table[name].nunique() > 1]
+    keys += other_settings(table)
+    if not keys:
+        return [("", table)]
+    groups = []
+    for values, rows in table.groupby(keys, sort=False, dropna=False):
+        names = [
+            value_in_words(name, value) if name in first else named_setting(name, value)
+            for name, value in zip(keys, values, strict=True)
+        ]
+        groups.append((", ".join(names), rows))
+    return groups
+
+
+def other_settings(table):
+    """Return the columns of a study's table that differ between its rows, but for those of sieve curve and form."""
+    return [name for name in varied_columns(table) if name not in _OF_FORM]
 
 
 def _range(table):
@@ -195,11 +218,17 @@ def _range(table):
 
 def _label(table, row):
     """Return the settings that differ between the rows of a table, as text."""
-    return ", ".join(
-        f"{find_heading(name).words} {value_in_words(name, row[name])}"
-        for name in varied_columns(table)
-        if pd.notna(row[name])
-    )
+    return ", ".join(named_setting(name, row[name]) for name in varied_columns(table) if pd.notna(row[name]))
+
+
+def named_setting(name, value):
+    """Return the value of a column after its heading, a number in the unit of the heading."""
+    heading = find_heading(name)
+    if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
+        column = find_column("tables/study", name)
+        unit = heading.unit if heading.unit is not None else column.unit if column else ""
+        return f"{heading.words} {heading.factor * value:g} {unit}".rstrip()
+    return f"{heading.words} {value_in_words(name, value)}"
 
 
 def varied_columns(table):
@@ -216,7 +245,8 @@ def _published(table):
     if len(rows) == 1:
         row = rows.iloc[0]
         error = abs(row["difference"] / row["z"]) if row["z"] else np.nan
-        return [f"This is {rounded(row['difference'], error, sign='+')} from the value of Rettinger et al."]
+        what = "This" if len(table) == 1 else f"The porosity for {_label(table, row)}"
+        return [f"{what} is {rounded(row['difference'], error, sign='+')} from the value of Rettinger et al."]
     mean, spread = rows["difference"].mean(), np.sqrt(np.mean(rows["difference"] ** 2))
     kind = "the model" if {"grain", "mean_FL"} & set(rows) else "the values"
     return [

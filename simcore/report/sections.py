@@ -20,9 +20,10 @@ LEAD = (
     "et al. are Rettinger, Rüde, Vollmer and Frings (Granular Matter, 2022)."
 )
 STUDIES = (
-    "A study is a table of packings in which one thing is varied. Values of Rettinger et al. apply to their own, "
-    "larger beds. For beds of one form and for distributions of form, they are predictions of their fitted models for "
-    "the forms of our packings."
+    "A study is a table of packings in which one thing is varied. Errors of differences take packings as independent; "
+    "`scree compare` pairs those of equal seeds. Where values of Rettinger et al. are given, they apply to their own "
+    "beds; for beds of one form and for distributions of form, they are predictions of their fitted models for the "
+    "forms of our packings."
 )
 COLLECTED = (
     "Number of packings gathered of each study, number planned, and estimated time for the rest. Packings with earlier "

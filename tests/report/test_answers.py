@@ -36,6 +36,15 @@ def tables(tmp_path):
     return {"single_form": write("single_form", rows), "validation": write("validation", experiment), "write": write}
 
 
+def test_the_sampling_error_is_that_of_one_packing_and_one_curve(tables):
+    """The rows are means over two seeds for U1, and beds of more grains for U7."""
+    rows = {"case": ["U1", "U1", "U7"], "runs": [2, 2, 1], "n_std_error": [0.0020, 0.0022, 0.009]}
+    tables["single_form_porosities"] = tables["write"]("forms", rows | {"grains": [1200, 1200, 6000], "n": 0.35})
+    sentences = " ".join(how_sure(tables)[-1]["texts"])
+    error = np.median([0.0020, 0.0022]) * np.sqrt(2)
+    assert f"1200 grains of one form with the sieve curve U1 has a sampling error of {error:.4f}" in sentences
+
+
 def test_the_answer_is_a_sentence_and_a_table_of_typical_forms(tables):
     sentence, examples, formulas = answer({"single_form": tables["single_form"]})
     assert sentence["kind"] == "answer"

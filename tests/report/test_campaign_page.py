@@ -38,7 +38,7 @@ def files(tmp_path):
 
     listed = {group: [] for group in (*GROUPS, *OF_A_STUDY)}
     for study in ("spheres", "validation"):
-        columns = {"case": "U1", "n": 0.36, "n_std_error": 0.01, "packing": f"table of {study}"}
+        columns = {"case": "U1", "n": 0.36, "n_std_error": 0.01, "grains": 300, "packing": f"table of {study}"}
         listed["tables"].append(write("tables", f"{study}.csv", **columns))
         listed["packings"].append(write("tables", f"{study}_packings.csv", packing="p", warnings=f"warned of {study}"))
         for group in ("study_figures", "pictures", "profiles"):
@@ -85,7 +85,7 @@ def test_models_and_grains_have_a_heading_where_there_are_some(files):
 
 def test_the_largest_committed_campaign_comes_first_and_then_its_check(files):
     write, folder = files.write, "committed"
-    rows = {"case": "U1", "runs": 2, "n": 0.384, "n_std_error": 0.002, "experiment_n": 0.371}
+    rows = {"case": "U1", "runs": 2, "n": 0.384, "n_std_error": 0.002, "experiment_n": 0.371, "grains": 4700}
     path = write(folder, "validation.csv", **rows, experiment_error_percent=3.5, packing="table of committed")
     write(folder, "single_form.csv", **MODEL)
     write(folder, "collected.csv", packing="table of collected")
@@ -105,6 +105,9 @@ def test_the_largest_committed_campaign_comes_first_and_then_its_check(files):
     ]
     # There are two comparisons with measurements; that of small beds refers to the larger ones.
     assert whole.count("Is it right?") == 2 and "same comparison gives +3.5 to +3.5 %" in whole
+    write(folder, "validation.csv", **{**rows, "grains": 400}, experiment_error_percent=3.5)
+    as_large = campaign_page(files, STUDIES, EFFECTS, CAPTIONS)[0]
+    assert "same comparison gives" not in as_large
     assert said(whole)[-3:] == ["<figure", "table of cost", "table of collected"]
     # The settings that both have in common differ by more than the errors.
     assert ">−0.024 ± 0.010</td>" in whole
@@ -113,7 +116,7 @@ def test_the_largest_committed_campaign_comes_first_and_then_its_check(files):
 
 
 def test_committed_rows_without_their_cost_keep_all_their_sections(files):
-    rows = {"case": "U1", "runs": 2, "n": 0.384, "n_std_error": 0.002, "experiment_n": 0.371}
+    rows = {"case": "U1", "runs": 2, "n": 0.384, "n_std_error": 0.002, "experiment_n": 0.371, "grains": 4700}
     path = files.write(
         "committed", "validation.csv", **rows, experiment_error_percent=3.5, packing="table of committed"
     )

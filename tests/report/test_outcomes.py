@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from simcore.reference.columns.headings import find_heading
 from simcore.reference.r22_comparison import add_reference
 from simcore.report.outcomes import outcome, shows_more
 
@@ -19,6 +20,40 @@ def test_a_comparison_with_the_experiment_counts_the_near_ones():
     assert f"by +{percent[0]:.1f} to +{percent[1]:.1f} %; 1 of 2 sieve curves are within 5 %" in first
     assert "Rettinger et al." in published and "+3.3 to +3.8 %" in published
     assert "2 settings differ by +0.011 on average" in difference
+
+
+def test_settings_and_not_curves_are_counted_if_another_setting_varies():
+    rows = table(case=["U1", "U1", "U3", "U3"], friction=[0.1, 0.9] * 2, n=[0.30, 0.384, 0.30, 0.39])
+    rows = add_reference(
+        rows[["case", "friction", "runs", "n", "n_std_error"]].assign(study="validation"), "validation"
+    )
+    assert "1 of 4 settings are within 5 %" in outcome(rows)[0]
+
+
+def test_one_value_of_the_publication_among_several_rows_names_its_setting():
+    rows = table(width_m=[0.07, 0.1], mass_kg=[1.4, 4.0], n=[0.293, 0.293], difference=[np.nan, 0.002], z=[np.nan, 0.5])
+    rows = rows[["case", "width_m", "mass_kg", "runs", "n", "n_std_error", "difference", "z"]]
+    *_, last = outcome(rows)
+    assert last == "The porosity for width 100 mm, mass 4 kg is +0.002 ± 0.004 from the value of Rettinger et al."
+    assert outcome(rows[1:])[-1].startswith("This is +0.002 ± 0.004 from")
+
+
+def test_forms_are_compared_at_equal_other_settings():
+    """Form has no effect, and friction has one."""
+    rows = table(friction=[0.1, 0.1, 0.9, 0.9], grain=["a", "b"] * 2, EQ=[0.8, 0.25] * 2, n=[0.3, 0.3, 0.4, 0.4])
+    rows = rows[["case", "friction", "grain", "runs", "n", "n_std_error", "EQ"]]
+    smooth, rough = outcome(rows)
+    heading = find_heading("friction").words
+    assert smooth.startswith(f"{heading[0].upper()}{heading[1:]} 0.1: the porosity rises from 0.300")
+    assert "to 0.300" in smooth and rough.split(": ")[1].startswith("the porosity rises from 0.400")
+    near = rows.drop(columns="grain").assign(flatness=[1.0, 0.8] * 2, elongation=[1.0, 0.8] * 2)
+    near = near[["case", "friction", "flatness", "elongation", "runs", "n", "n_std_error"]]
+    assert [text.split(":")[0] for text in outcome(near)] == [f"{heading} 0.1", f"{heading} 0.9"]
+
+
+def test_an_end_of_a_sweep_without_porosity_is_left_out():
+    rows = table(shaking_s=[0.5, 2.0, 6.0], n=[0.35, 0.33, np.nan])
+    assert "nan" not in " ".join(outcome(rows)) and "changes by ," not in " ".join(outcome(rows))
 
 
 @pytest.mark.parametrize(("end", "verdict"), [(0.30, "−0.050 ± 0.006, more than"), (0.345, "−0.005 ± 0.006, not more")])

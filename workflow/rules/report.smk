@@ -170,8 +170,10 @@ rule report:
         model_figures=collect(
             "<results>/figures/models/{figure}.png", figure=model_figures
         ),
-        campaign_tables=collect(
-            "<results>/campaign/{table}.csv", table=["cost", "trends"]
+        campaign_tables=unless_none(
+            collect("<results>/campaign/{table}.csv", table=["cost", "trends"]),
+            studies,
+            "config/smoke.yaml, or request your studies by their names: none has `in_all: true`",
         ),
         campaign_figures=collect(
             "<results>/figures/campaign/{figure}.png", figure=campaign_figures

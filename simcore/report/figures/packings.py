@@ -65,16 +65,16 @@ def packing_figure(packing, azimuth=-60.0, elevation=22.0, title="", pixels=900)
 def packings_figure(packings, azimuth=-90.0, elevation=90.0, pixels=600):
     """Draw several packings side by side in one scale, of colour and of length.
 
-    packings: dict from a label to a Dataset. Colours are those of `packing_figure`.
+    packings: list of (label, Dataset). Colours are those of `packing_figure`.
     """
     columns = min(len(packings), 2)
     rows = -(-len(packings) // columns)
     figure = Figure(figsize=(1.0 + 3.2 * columns, 3.3 * rows), layout="constrained")
     grid = figure.subplots(rows, columns, squeeze=False)
-    measure, colour_label, norm = _colours(packings.values())
+    measure, colour_label, norm = _colours([packing for _, packing in packings])
     for axes in grid.flat:
         axes.set_axis_off()
-    for axes, (label, packing) in zip(grid.flat, packings.items(), strict=False):
+    for axes, (label, packing) in zip(grid.flat, packings, strict=False):
         draw_packing(axes, packing, norm, azimuth, elevation, pixels, measure)
         axes.set_title(label, fontsize="medium")
     _share_span(grid.flat[: len(packings)])

@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 
 from simcore.reference.columns.headings import find_heading
 from simcore.report.figures.models import LINES, STYLES
-from simcore.report.outcomes import differ_in_form
+from simcore.report.outcomes import differ_in_form, named_setting, other_settings
 from simcore.report.words import value_in_words
 
 R22 = "Rettinger et al."  # in legends
@@ -114,16 +114,22 @@ def sweep_figure(table, column):
 def equancy_figure(table):
     """Draw porosity over EQ^-1 of the mean form, one panel per case, with predictions of the model of Rettinger et al.
 
-    table: columns case, EQ, n, n_std_error, r22_n and, optionally, r22_n_error.
+    table: columns case, EQ, n, n_std_error, r22_n and, optionally, r22_n_error. Packings that differ in other settings
+    have markers of their own.
     """
-    cases = list(table.groupby("case", sort=False))
+    cases, others = list(table.groupby("case", sort=False)), other_settings(table)
     figure = Figure(figsize=(0.6 + 3.9 * len(cases), 3.9), layout="constrained")
     grid = figure.subplots(1, len(cases), sharey=True, squeeze=False)[0]
     for axes, (case, rows) in zip(grid, cases, strict=True):
-        x = 1.0 / rows["EQ"]
-        axes.errorbar(
-            x, rows["n"], rows["n_std_error"], ms=5, elinewidth=0.8, label="simulated (± std. error)", **OUR_STYLE
-        )
+        x, label = 1.0 / rows["EQ"], "simulated (± std. error)"
+        groups = rows.groupby(others, sort=False, dropna=False) if others else [((), rows)]
+        styles = ({"fmt": marker, "color": color} for marker, color in cycle(STYLES)) if others else [OUR_STYLE]
+        for (values, group), style in zip(groups, styles, strict=False):
+            names = ", ".join(named_setting(*item) for item in zip(others, values, strict=True))
+            axes.errorbar(
+                x[group.index], group["n"], group["n_std_error"], ms=5, elinewidth=0.8,
+                label=f"{names}: {label}" if names else label, **style,
+            )  # fmt: skip
         if rows["r22_n"].notna().any():
             axes.errorbar(
                 x, rows["r22_n"], rows.get("r22_n_error"), ms=5, elinewidth=0.8,

@@ -56,7 +56,7 @@ def test_profile_shows_both_methods_and_the_interval(bed, tmp_path):
 def test_packings_are_drawn_with_a_size_scale(bed, domain, tmp_path):
     bed.attrs["domain_shape"] = domain
     check(packing_figure(bed, pixels=150), tmp_path)
-    check(packings_figure({"a": bed, "b": bed, "c": bed}, pixels=100), tmp_path)
+    check(packings_figure([("a", bed), ("a", bed), ("c", bed)], pixels=100), tmp_path)
 
 
 def test_grains_of_one_size_and_form_are_coloured_by_the_angle_of_their_long_axes(tmp_path):

@@ -43,6 +43,18 @@ def test_a_width_is_given_in_millimetres():
     np.testing.assert_allclose(error_bar_points(axes)["U7, simulated (± std. error)"][:, 0], [100.0, 200.0])
 
 
+def test_forms_of_other_settings_have_markers_of_their_own(tmp_path):
+    columns = {"case": "U1", "friction": [0.1, 0.1, 0.9, 0.9], "grain": ["a", "b"] * 2, "runs": 1}
+    rows = table(**columns, n=[0.3, 0.31, 0.4, 0.41], EQ=[0.8, 0.25] * 2)
+    rows = rows[["case", "friction", "grain", "runs", "n", "n_std_error", "r22_n", "EQ"]]
+    figure = porosities_figure(rows, ["case", "friction"])
+    figure.savefig(tmp_path / "f.png", dpi=40)
+    (smooth, low), (rough, high) = sorted(error_bar_points(figure.axes[0]).items())
+    assert "0.1: simulated" in smooth and "0.9: simulated" in rough
+    np.testing.assert_allclose(low, [[1.25, 0.3], [4.0, 0.31]])
+    np.testing.assert_allclose(high, [[1.25, 0.4], [4.0, 0.41]])
+
+
 def test_original_meshes_follow_the_numbers():
     rows = table(case=["U7"] * 3, faces=["original", "300", "50"], n=[0.28, 0.29, 0.3])
     axes = sweep_figure(rows, "faces").axes[0]
@@ -53,7 +65,7 @@ def test_original_meshes_follow_the_numbers():
 def test_forms_are_drawn_over_their_equancy(tmp_path):
     rows = table(case=["U1", "U1", "U7"], grain=["a", "b", "a"], EQ=[0.5, 0.25, 0.5], n=[0.36, 0.4, 0.3])
     rows = rows.assign(r22_n=[0.35, 0.38, np.nan], r22_n_error=0.006)
-    figure = porosities_figure(rows, ["case"])
+    figure = porosities_figure(rows[["case", "grain", "n", "n_std_error", "r22_n", "r22_n_error", "EQ"]], ["case"])
     figure.savefig(tmp_path / "f.png", dpi=40)
     first, second = figure.axes
     assert first.get_xlabel() == "1/mean equancy, L/S [-]" and first.get_ylabel() == "porosity n [-]"
