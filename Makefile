@@ -53,7 +53,7 @@ test: environment
 
 verify: environment
 	PATH="$(bin):$$PATH" python -m pytest tests/physics/extremes -m "extremes or not extremes" $(PYTEST_ARGS)
-	PATH="$(bin):$$PATH" python -m pytest tests/dem -m extremes $(PYTEST_ARGS)
+	PATH="$(bin):$$PATH" python -m pytest tests/dem tests/physics/test_settled_packings.py -m extremes $(PYTEST_ARGS)
 
 docs: environment
 	NO_MKDOCS_2_WARNING=1 PATH="$(bin):$$PATH" mkdocs build

@@ -1,4 +1,7 @@
-"""Settled packings of several seeds, compared with published ones (marker `statistics`)."""
+"""Settled packings of several seeds, compared with published ones (marker `statistics`).
+
+Those that take a minute have the marker `extremes`, and `make verify` runs them.
+"""
 
 import numpy as np
 import pytest
@@ -55,7 +58,7 @@ def test_equal_frictional_spheres_lie_between_loose_and_close():
     assert 3.8 < np.mean(coordination) < 6.0
 
 
-@pytest.mark.parametrize("ratio, grains", [(4, 150), (8, 620)])
+@pytest.mark.parametrize("ratio, grains", [(4, 150), pytest.param(8, 620, marks=pytest.mark.extremes)])
 def test_equal_spheres_in_a_cylinder_follow_the_wall_effect(ratio, grains):
     """Means of three seeds follow Benyahia and O'Neil, n = 0.390 + 1.740 / (D/d + 1.140)² ± 0.02 for smooth beads.
 
@@ -75,6 +78,7 @@ def test_equal_spheres_in_a_cylinder_follow_the_wall_effect(ratio, grains):
     assert porosity.mean() == pytest.approx(expected, abs=0.02)
 
 
+@pytest.mark.extremes
 def test_the_settled_ellipsoids_of_r22():
     """265 ellipsoids 1 : 0.75 : 0.5, shaken until t = 0.3 s, agree with two seeds of another program.
 
