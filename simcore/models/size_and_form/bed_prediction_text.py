@@ -31,7 +31,7 @@ OTHER_BEDS = (
     "interval."
 )
 # The rule is in docs/appendices/size_and_form_plan.md, the beds in results/reference/form_by_size.csv.
-CHECK_BY_CLASS = "On two packed beds, forms by sieve class erred less than the form of all grains together."
+CHECK_BY_CLASS = "On two packed beds, forms by sieve class had a smaller error than the form of all grains together."
 
 
 def predict_curve_file(

@@ -209,7 +209,7 @@ CASES = [
         0.995,
         1.005,
         CONSERVATION,
-        "Elastic spheres without friction lose and gain nothing. At 40 steps a contact time each contact errs by "
+        "Elastic spheres without friction lose and gain nothing. At 40 steps a contact time each contact is off by "
         "6.5e-4 of its energy, either way; 16 000 contacts of 64 spheres add up to 0.005 (four standard deviations).",
     ),
 ]

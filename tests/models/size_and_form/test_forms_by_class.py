@@ -195,7 +195,7 @@ def test_a_class_without_mass_has_a_notice(table):
 def test_the_text_says_that_predictions_by_class_were_confirmed(table, capsys):
     curve = ROOT / "examples" / "sieve_curve.csv"
     assert main(["predict", str(table(f"1.9-16 mm,{FLAT}")), "--sieve", str(curve)]) == 0
-    assert "On two packed beds, forms by sieve class erred less" in capsys.readouterr().out
+    assert "On two packed beds, forms by sieve class had a smaller error" in capsys.readouterr().out
     assert main(["predict", str(ROOT / "examples" / "grains.csv"), "--sieve", str(curve)]) == 0
     assert "On two packed beds" not in capsys.readouterr().out
 
