@@ -84,6 +84,9 @@ def test_tables_of_a_campaign_are_kept_as_the_default_ones_but_not_of_a_test(fin
     workplace, arguments = finished
     status, said = workplace.run(*arguments, "--", "keep_default")
     assert status != 0 and "`test_only` is set" in said
+    (workplace.folder / "keep.yaml").write_text("test_only: false\n")
+    status, said = workplace.run(*arguments, "keep.yaml", "--", "keep_default")
+    assert status != 0 and "leave out its overlays, or set `reference` to another folder" in said
     (workplace.folder / "keep.yaml").write_text("test_only: false\nreference: kept\n")
     keep = ("keep.yaml", "--", "keep_default")
     assert "packing" not in {rule for rule, _ in workplace.plan(*arguments, *keep)}

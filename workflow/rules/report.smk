@@ -238,5 +238,6 @@ rule keep_default:
     params:
         folder=f"{committed_rows}/default",
         test_only=campaign["test_only"],
+        command=plan.command,
     script:
         "../scripts/keep_default.py"

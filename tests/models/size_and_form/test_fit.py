@@ -125,7 +125,7 @@ def test_intervals_of_a_family_follow_from_the_errors_of_the_others():
 
 
 def test_intervals_of_packed_beds_contain_their_sampling_errors():
-    """A bed without any decrease of porosity is covered if the error of the prediction is as small as that of the sampling."""
+    """A bed without any decrease of porosity is covered if its prediction is as near as the sampling error."""
     beds = made_beds()
     predicted = np.where(np.arange(len(beds.n)) == 0, beds.one_class, beds.n)
     beds = beds._replace(n=np.where(np.arange(len(beds.n)) == 0, beds.one_class + ERROR, beds.n))
