@@ -15,7 +15,7 @@ import pandas as pd
 from simcore.campaign import deposits
 from simcore.campaign.biases import bias_effects, measured_biases
 from simcore.campaign.gathering import SHOWN_TABLES, not_gathered, table_of
-from simcore.campaign.plan_checks import check_beds, check_names, check_shared_tables
+from simcore.campaign.plan_checks import check_beds, check_names, check_shared_tables, check_sources
 from simcore.campaign.studies import expand, study_title
 from simcore.grains.sources import set_name, source_name
 from simcore.packing.cost import estimate
@@ -120,6 +120,7 @@ class Plan:
     def check(self):
         """Raise ValueError if the workflow cannot have these studies, or if a bed will be too low; see plan_checks."""
         check_names(self.all_studies)
+        check_sources(self._grain_groups.values())
         check_shared_tables(self.packings)
         # Deposits are left out: their fabric is evaluated, with other cuts.
         check_beds(

@@ -5,6 +5,7 @@ import re
 from simcore.campaign import deposits
 from simcore.campaign.gathering import table_of
 from simcore.evaluation.interval import campaign_cut
+from simcore.grains.sources import source_name
 from simcore.packing.forecast import check_bed, typical_grains, with_last_batch
 from simcore.paths import ROOT
 from simcore.scene.domain import Domain
@@ -30,6 +31,22 @@ def check_names(studies) -> None:
             raise ValueError(f"studies.{study}: a rule or a table of the workflow has this name; choose another name")
         if study.startswith(deposits.PREFIX):
             deposits.family(study)
+
+
+def check_sources(groups) -> None:
+    """Raise ValueError if two of these resolved groups `grains` have other files and one name, by which rows know them.
+
+    groups: one for each set of grains.
+    """
+    sources = {}
+    for group in groups:
+        source = group["source"]
+        known = sources.setdefault(source_name(source), source)
+        if known != source:
+            raise ValueError(
+                f"grains.source: {known} and {source} have one name, {source_name(source)}, and rows of packings have "
+                "only the name; rename one of them"
+            )
 
 
 def _rule_names():

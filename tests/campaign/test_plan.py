@@ -2,10 +2,12 @@
 
 import copy
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+import trimesh
 
 from simcore.campaign.plan import (
     SMALLEST_MIXTURE_STUDY,
@@ -318,6 +320,24 @@ def test_studies_of_one_table_have_the_same_settings():
     varied = {"form_mixtures": mixtures(2, **{"material.friction": [0.3, 0.9]})}
     with pytest.raises(ValueError, match="studies.form_mixtures: .* differ in material.friction"):
         check_shared_tables(plan_of(studies=varied).packings)
+
+
+def test_two_folders_of_grains_with_one_name_are_refused(tmp_path):
+    """Rows of packings have the name of the folder alone, so rows of one would be taken for those of the other."""
+    for site, side in (("left", 0.009), ("right", 0.011)):
+        folder = tmp_path / site / "grains"
+        folder.mkdir(parents=True)
+        for name in "ab":
+            trimesh.creation.box((0.007, 0.008, side)).export(folder / f"{name}.stl")
+    folders = [str(tmp_path / site / "grains") for site in ("left", "right")]
+    grains = {"shapes": {"choice": "one"}}
+    right = {"fixes": {**grains, "grains": {"source": folders[1], "unit": "m"}}, "varies": {"shapes.grain": ["a", "b"]}}
+    studies = {"single_form": {"fixes": grains, "varies": {"shapes.grain": ["a", "b"]}}, "mine": right}
+    with pytest.raises(ValueError, match="left/grains and .*right/grains have one name, grains, .* rename one of them"):
+        plan_of(studies=studies, grains={"source": folders[0], "unit": "m"}).check()
+    Path(folders[1]).rename(tmp_path / "right" / "others")
+    right["fixes"]["grains"]["source"] = str(tmp_path / "right" / "others")
+    plan_of(studies=studies, grains={"source": folders[0], "unit": "m"}).check()
 
 
 def test_the_curve_of_a_listed_case_is_known_to_the_packing(monkeypatch):
