@@ -177,10 +177,15 @@ def test_the_range_of_validity_is_that_of_the_packed_beds():
         f"{current_model().gap:.1f} : 1 |",
     )
     model = fit_reference_models().models["unified", "U1"]
-    for symbol, feature in (("1/µ_EQ", "mu_EQ_inv"), ("1/µ_EL", "mu_EL_inv")):
+    for quantity, feature in (
+        ("form, 1/µ_EQ", "mu_EQ_inv"),
+        ("form, 1/µ_EL", "mu_EL_inv"),
+        ("spread of form, (σ_EQ/µ_EQ)²", "relative_variance_EQ"),
+        ("spread of form, (σ_EL/µ_EL)²", "relative_variance_EL"),
+    ):
         index = model.features.index(feature)
         low, high = model.minimum[index], model.maximum[index]
-        assert states(HOW_TO, f"| form, {symbol} | {low:.2f} to {high:.2f} |")
+        assert states(HOW_TO, f"| {quantity} | {low:.2f} to {high:.2f} |")
     finest = min(curve.bounds[:-1][curve.mass_fractions > 0.0].min() for curve in map(curve_of, beds["bed"]))
     assert states(HOW_TO, f"the smallest packed grains have {1e3 * finest:.1f} mm")
 
