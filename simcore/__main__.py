@@ -13,13 +13,13 @@ EXTRAS = {
     "porespy": "pores",
     "openpnm": "pores",
 }
-BROKEN_PIPE = 141  # 128 + SIGPIPE
+BROKEN_PIPE, INTERRUPTED = 141, 130  # 128 + SIGPIPE, 128 + SIGINT
 
 
 def main(arguments=None) -> int:
     """Run a command and return its exit status: 0 success; 1 the packing failed; 2 wrong input, with one line on it.
 
-    The status is 141, as in a shell, if the reader of the output closes it early, such as `| head`.
+    As in a shell, it is 141 if the reader of the output closes it early, such as `| head`, and 130 after Ctrl-C.
     """
     called = os.path.basename(sys.argv[0])
     prog = "scree" if called in ("scree", "scree.exe") else "python -m simcore"
@@ -49,6 +49,9 @@ def main(arguments=None) -> int:
     except (ValueError, OSError) as error:
         print(f"scree {options.command}: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print(f"scree {options.command}: interrupted; the same command starts again", file=sys.stderr)
+        return INTERRUPTED
 
 
 def _broken_pipe():

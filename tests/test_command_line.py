@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+import trimesh
 import xarray as xr
 
 from simcore.__main__ import main
@@ -61,11 +62,10 @@ def test_pack_then_porosity(folder, capsys):
     assert main(["porosity", str(output), "--cut", "2 mm", "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == bulk
     for cut, reason in (
-        ("-0.01", "'-0.01' is not a length above 0; give one such as '8 mm'"),
-        ("0", "is not a length above 0"),
+        ("-0.01", "'-0.01' is not a length of at least 0; give one such as '8 mm'"),
         ("nan", "'nan' is not a number with a unit"),
         ("inf", "'inf' is not a number with a unit"),
-        ("-2 mm", "is not a length above 0"),
+        ("-2 mm", "is not a length of at least 0"),
         ("8 kg", "'8 kg' is a mass; a length is needed"),
         ("much", "'much' is not a number with a unit"),
     ):
@@ -160,12 +160,19 @@ def test_an_output_that_cannot_be_written_is_an_error_before_the_work(folder, ca
         (["fit", "beds.csv", "--case", "one-class", "--out", "."], ". must end in .json"),
         (["pack", "good.yaml", "good.yaml"], "good.yaml is read by this command"),
         (["pack", "good.yaml", "bed.nc", "--log", "good.yaml"], "good.yaml is read by this command"),
+        (["pack", "good.yaml", "bed.nc", "--log", "./bed.nc"], "--log: bed.nc is the file of the packing"),
+        (["pack", "scanned.yaml", "scan.stl"], "scan.stl is read by this command"),
+        (["pack", "scanned.yaml", "bed.nc", "--log", "scan.stl"], "scan.stl is read by this command"),
+        (["pack", "good.yaml", "bed.nc", "--checkpoint-interval", "1 min"], "it has no effect without --checkpoints"),
     ],
 )
 def test_an_output_that_is_an_input_or_has_the_wrong_ending_is_refused(folder, capsys, monkeypatch, arguments, message):
     monkeypatch.chdir(folder)
     for name, example in (("grains", "grains"), ("curve", "sieve_curve"), ("beds", "measured")):
         shutil.copy(ROOT / "examples" / f"{example}.csv", folder / f"{name}.csv")
+    trimesh.creation.box((6, 7, 8)).export(folder / "scan.stl")
+    scanned = "shapes: {choice: random}\ngrains: {source: scan.stl, unit: mm}\n"
+    (folder / "scanned.yaml").write_text(GOOD.replace("shapes: {kind: sphere}\n", scanned))
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     assert main(arguments) == 2
     error = capsys.readouterr().err
@@ -180,6 +187,15 @@ def test_a_written_specification_is_named(folder, capsys, monkeypatch):
     assert "curve.yaml is written; `scree pack curve.yaml bed.nc` packs this curve" in capsys.readouterr().err
     assert main(["predict", "--sieve", "curve.csv", "--finest", "2 mm", "--pack", "bed.yaml"]) == 0
     assert "bed.yaml is written; `scree pack bed.yaml bed.nc` packs this bed" in capsys.readouterr().err
+
+
+def test_an_interrupted_command_ends_without_a_traceback(folder, capsys, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("simcore.packing.file.read_packing", interrupted)
+    assert main(["porosity", str(folder / "good.yaml")]) == 130
+    assert capsys.readouterr().err == "scree porosity: interrupted; the same command starts again\n"
 
 
 def test_a_closed_pipe_ends_without_a_traceback():

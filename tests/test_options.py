@@ -2,7 +2,7 @@
 
 import pytest
 
-from simcore.commands.options import check_writable, duration, grain_size, length
+from simcore.commands.options import check_writable, cut_length, duration, grain_size, length
 
 
 def test_lengths_are_metres_or_quantities_with_a_point_or_a_comma():
@@ -10,6 +10,12 @@ def test_lengths_are_metres_or_quantities_with_a_point_or_a_comma():
     assert length("--cut", "0.008") == length("--cut", "8 mm") == length("--cut", "0,8 cm") == length("--cut", "0,008")
     assert grain_size("--finest", "0,5 mm") == 0.0005
     assert duration("--frames", "0.1 s") == duration("--frames", "100 ms") == 0.1
+
+
+def test_a_cut_may_be_zero():
+    assert cut_length("0 mm") == cut_length("0") == 0.0 and cut_length(None) is None
+    with pytest.raises(ValueError, match="--cut: '-1 mm' is not a length of at least 0"):
+        cut_length("-1 mm")
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from simcore.commands.options import length
+from simcore.commands.options import cut_length
 
 
 def add(commands) -> None:
@@ -24,9 +24,9 @@ def run(options) -> int:
     from simcore.evaluation.comparison_text import comparison_text
     from simcore.packing.file import read_packing
 
-    cut = length("--cut", options.cut)
-    paths = list(dict.fromkeys(options.packings))
-    if len(paths) < len(options.packings):
+    cut = cut_length(options.cut)
+    paths = options.packings
+    if len({path.resolve() for path in paths}) < len(paths):
         raise ValueError("the same file is given twice; give each file once")
     print(comparison_text(compare({str(path): read_packing(path) for path in paths}, cut)))
     return 0

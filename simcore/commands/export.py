@@ -32,7 +32,8 @@ def add(commands) -> None:
         "--divisions",
         type=int,
         metavar="N",
-        help="spheres and ellipsoids have 20 · 4^N faces, with the exact volume; default: 2 (320 faces), and 3 in .glb",
+        help="spheres and ellipsoids have 20 · 4^N faces, with the exact volume; default: 2 (320 faces), and 3 in .glb "
+        "unless grains are cut",
     )
     parser.set_defaults(run=run)
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from simcore.commands.options import check_writable, length
+from simcore.commands.options import check_writable, cut_length
 
 
 def add(commands) -> None:
@@ -27,7 +27,7 @@ def run(options) -> int:
     from simcore.evaluation.fabric_text import fabric_text
     from simcore.packing.file import read_packing, write_packing
 
-    cut = length("--cut", options.cut)
+    cut = cut_length(options.cut)
     if options.out is not None:
         check_writable(options.out, *options.packings)
     bearing = BEARING_CONTACTS if options.bearing_contacts is None else options.bearing_contacts

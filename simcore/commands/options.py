@@ -19,6 +19,11 @@ def length(option: str, text: str | None, example: str = "8 mm", metres: bool = 
     return _positive(option, text, "m", f"a length above 0; give one such as '{example}'", metres)
 
 
+def cut_length(text: str | None) -> float | None:
+    """Return the length [m] of the option --cut, as `length`, but it may be 0."""
+    return _positive("--cut", text, "m", "a length of at least 0; give one such as '8 mm'", True, least=0.0)
+
+
 def grain_size(option: str, text: str | None) -> float | None:
     """Return the size [m] of an option for the ends of a sieve curve, as `length`, but only with a unit."""
     return length(option, text, "90 mm", metres=False)
@@ -32,10 +37,11 @@ def duration(option: str, text: str | None) -> float | None:
     return _positive(option, text, "s", "a time above 0; give one such as '0.1 s'")
 
 
-def _positive(option, text, unit, needed, bare=False):
+def _positive(option, text, unit, needed, bare=False, least=None):
     """Return the quantity of an option in the SI unit `unit`, or None if it is not given.
 
-    needed: what it is to be, for the message. bare: whether a number without a unit is in this unit.
+    needed: what it is to be, for the message. bare: whether a number without a unit is in this unit. least: smallest
+    value; None: it must be more than 0.
     """
     from simcore.scene.quantity import NUMBER, parse_quantity
 
@@ -46,7 +52,7 @@ def _positive(option, text, unit, needed, bare=False):
         value = float(plain) if bare and re.fullmatch(NUMBER, plain) else parse_quantity(plain, unit)
     except ValueError as error:
         raise ValueError(f"{option}: {str(error).replace(plain, text, 1)}") from None
-    if not 0.0 < value < math.inf:
+    if not (0.0 < value if least is None else least <= value) or not value < math.inf:
         raise ValueError(f"{option}: '{text}' is not {needed}")
     return value
 

@@ -1,5 +1,6 @@
 """`scree pack SPEC.yaml OUT.nc`: one packing."""
 
+import contextlib
 import os
 import time
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 from simcore.commands.options import check_writable, duration, reporter
 
 INTERRUPTED = 75  # EX_TEMPFAIL: the same command resumes the packing
+INTERVAL = "10 min"  # wall-clock time between checkpoints
 
 
 def add(commands) -> None:
@@ -23,7 +25,7 @@ def add(commands) -> None:
     parser.add_argument("--log", type=Path, help="file to which progress lines are also written")
     parser.add_argument("--checkpoints", type=Path, metavar="FOLDER", help="where to write checkpoints to resume from")
     parser.add_argument(
-        "--checkpoint-interval", default="10 min", metavar="TIME", help="wall-clock time between checkpoints"
+        "--checkpoint-interval", metavar="TIME", help=f"wall-clock time between checkpoints; default: {INTERVAL}"
     )
     parser.add_argument(
         "--frames", metavar="TIME", help='write a series for ParaView, a frame every TIME of simulated time: "0.1 s"'
@@ -53,7 +55,7 @@ def _pack_on(ranks, options):
 
     started = time.monotonic()
     if options.log is not None:
-        ranks.on_first(lambda: check_writable(options.log, options.specification))
+        ranks.on_first(lambda: _check_log(options))
     report = reporter(options.log) if ranks.rank == 0 else _ignore_line
     try:
         specification, setup, keeper, warned = _prepare(ranks, options, report)
@@ -85,8 +87,22 @@ def _pack_on(ranks, options):
     return 0
 
 
+def _check_log(options):
+    """Raise ValueError or OSError unless the log can be written; it is none of the other files of the packing."""
+    from simcore.grains.sources import source_files
+    from simcore.scene.specification import read_specification
+
+    read = [options.specification]
+    with contextlib.suppress(ValueError, OSError):  # a faulty specification has its message later
+        read += source_files(read_specification(options.specification)["grains"])
+    check_writable(options.log, *read)
+    if options.log.resolve() == options.output.resolve():
+        raise ValueError(f"--log: {options.log} is the file of the packing; give another path")
+
+
 def _prepare(ranks, options, report):
     """Return specification, Setup, keeper and warnings; ValueError or OSError on all ranks if it cannot run."""
+    from simcore.grains.sources import source_files
     from simcore.packing.checkpoints.keeper import CheckpointKeeper
     from simcore.packing.checkpoints.key import checkpoint_code, packing_key
     from simcore.packing.file import code_version
@@ -98,9 +114,12 @@ def _prepare(ranks, options, report):
     code = checkpoint_code() if options.checkpoints else ""
     specification = read_specification(options.specification)
     expect(report, specification)
-    interval = duration("--checkpoint-interval", options.checkpoint_interval)
+    if options.checkpoint_interval is not None and options.checkpoints is None:
+        raise ValueError("--checkpoint-interval: it has no effect without --checkpoints; give both")
+    interval = duration("--checkpoint-interval", options.checkpoint_interval or INTERVAL)
+    read = (options.specification, *source_files(specification["grains"]))
+    ranks.on_first(lambda: check_writable(options.output, *read))
     setup, warned = prepare(specification, options.threads, options.force)
-    ranks.on_first(lambda: check_writable(options.output, options.specification))
     for text in warned:
         report(f"{setup.scene.name}: warning: {text}")
     key = packing_key(specification, setup) if options.checkpoints else ""

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from simcore.commands.options import check_figure, length
+from simcore.commands.options import check_figure, cut_length
 
 
 def add(commands) -> None:
@@ -30,7 +30,7 @@ def run(options) -> int:
     from simcore.report.figures.saving import save_figure
 
     output = options.packing.with_suffix(".png") if options.output is None else options.output
-    cut = length("--cut", options.cut)
+    cut = cut_length(options.cut)
     check_figure("the figure", output)
     packing = read_packing(options.packing)
     if not packing.sizes["grain"]:
@@ -39,7 +39,7 @@ def run(options) -> int:
         bulk = bulk_porosity(packing, "exact", cut)
     except ValueError as error:
         # A bed that is too low to be evaluated can be seen all the same.
-        print(f"scree plot: without bulk porosity: {error}", file=sys.stderr)
+        print(f"scree plot: {options.packing}: without bulk porosity: {error}", file=sys.stderr)
         bulk = None
     save_figure(bed_figure(packing, bulk, packing.attrs.get("title", "")), output)
     print(f"wrote {output}")

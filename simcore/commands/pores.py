@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from simcore.commands.options import check_figure, length
+from simcore.commands.options import check_figure, cut_length, length
 
 
 def add(commands) -> None:
@@ -39,7 +39,7 @@ def run(options) -> int:
     from simcore.pores.pores import bulk_pores, missing_libraries, voxel_pores
     from simcore.pores.pores_text import INSTALL, pores_json, pores_text
 
-    cut, voxel, missing = length("--cut", options.cut), length("--voxel", options.voxel), missing_libraries()
+    cut, voxel, missing = cut_length(options.cut), length("--voxel", options.voxel), missing_libraries()
     if options.no_voxels and (voxel is not None or options.plot is not None):
         raise ValueError("--no-voxels: --voxel and --plot have no effect with it; leave it out, or them")
     if options.plot is not None:
@@ -47,7 +47,10 @@ def run(options) -> int:
             raise ValueError(f"--plot: pore sizes need {' and '.join(missing)}; install the extra: {INSTALL}")
         check_figure("--plot", options.plot)
     packing = read_packing(options.packing)
-    results, sizes, reason = bulk_pores(packing, cut), None, ""
+    try:
+        results, sizes, reason = bulk_pores(packing, cut), None, ""
+    except ValueError as error:
+        raise ValueError(f"{options.packing}: {error}") from None
     if not options.no_voxels:
         low, high = results["z_lower"], results["z_upper"]
         try:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from simcore.commands.options import check_writable, length
+from simcore.commands.options import check_writable, cut_length
 
 
 def add(commands) -> None:
@@ -29,11 +29,14 @@ def run(options) -> int:
     from simcore.evaluation.porosity_text import porosity_json, porosity_text, profile_table
     from simcore.packing.file import read_packing
 
-    method, cut = "exact" if options.exact else "spheres", length("--cut", options.cut)
+    method, cut = "exact" if options.exact else "spheres", cut_length(options.cut)
     if options.profile is not None:
         check_writable(options.profile, options.packing)
     packing = read_packing(options.packing)
-    bulk = bulk_porosity(packing, method=method, cut=cut)
+    try:
+        bulk = bulk_porosity(packing, method=method, cut=cut)
+    except ValueError as error:
+        raise ValueError(f"{options.packing}: {error}") from None
     if options.profile is not None:
         profile_table(packing, bulk).to_csv(options.profile, index=False)
     print(porosity_json(bulk) if options.json else porosity_text(bulk, packing))

@@ -5,7 +5,7 @@ from pathlib import Path
 from simcore.export.meshes import write_glb, write_triangles
 from simcore.export.network import write_edges, write_graphml
 from simcore.export.paraview import write_solids, write_surfaces
-from simcore.export.placement import PERIODIC
+from simcore.export.placement import PERIODIC, is_polyhedron
 from simcore.export.voxels import write_voxels
 
 OF_SURFACES = {
@@ -25,8 +25,8 @@ def export(packing, path, periodic=None, voxel=None, divisions=None) -> list[Pat
 
     packing: Dataset of read_packing. The suffix is one of SUFFIXES. periodic: see simcore.export.placement; None: "cut"
     for voxels, "leave" otherwise. voxel [m]: edge of a voxel, see simcore.export.voxels. divisions: how fine spheres
-    and ellipsoids are, see simcore.export.surfaces. ValueError for an unknown suffix, an option that the format does
-    not use, an empty packing, or a library that is not installed.
+    and ellipsoids are, see simcore.export.surfaces. ValueError for an unknown suffix, an option that the format or
+    the packing does not use, an empty packing, or a library that is not installed.
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -44,6 +44,10 @@ def export(packing, path, periodic=None, voxel=None, divisions=None) -> list[Pat
     for option, given in unused.items():
         if given:
             raise ValueError(f"{option} has no effect on a {suffix} file; leave it out")
+    if periodic is not None and packing.attrs["domain_shape"] != "periodic":
+        raise ValueError("--periodic has no effect on a packing in a cylinder; leave it out")
+    if divisions is not None and is_polyhedron(packing).all():
+        raise ValueError("--divisions has no effect on a packing of polyhedra; leave it out")
     path.parent.mkdir(parents=True, exist_ok=True)
     if suffix in OF_VOXELS:
         return write_voxels(path, packing, voxel, periodic or "cut")

@@ -1,5 +1,6 @@
 """Reads vertices and triangles from mesh files: STL, PLY, OBJ and OFF."""
 
+import codecs
 import re
 
 import numpy as np
@@ -10,7 +11,7 @@ _PLY_TYPES = {
     "double": "f8", "float64": "f8",
 }  # fmt: skip
 _STL_ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_STL_VERTEX = re.compile(rb"\bvertex\s+([^\r\n]*)")
+_STL_VERTEX = re.compile(rb"\bvertex\s+([^\r\n]*)", re.IGNORECASE)
 _PLY_ORDER = {"binary_little_endian": "<", "binary_big_endian": ">"}
 
 
@@ -20,7 +21,7 @@ def read_mesh(path):
     Faces with more than three corners become fans of triangles. ValueError describes the fault in the file, without its
     path.
     """
-    data, suffix = path.read_bytes(), path.suffix.lower()
+    data, suffix = path.read_bytes().removeprefix(codecs.BOM_UTF8), path.suffix.lower()
     vertices, faces = {".obj": _read_obj, ".ply": _read_ply, ".stl": _read_stl, ".off": _read_off}[suffix](data)
     if len(faces) and not (faces.min() >= 0 and faces.max() < len(vertices)):
         raise ValueError(
@@ -39,13 +40,14 @@ def _fans(polygons):
 
 
 def _read_stl(data):
+    is_text = data.lstrip()[:5].lower() == b"solid"
     if len(data) >= 84:
         count = int(np.frombuffer(data, "<u4", 1, 80)[0])
-        if len(data) == 84 + 50 * count:
+        if len(data) == 84 + 50 * count:  # also if its header begins as text does
             corners = np.frombuffer(data, _STL_ROW, count, 84)["corners"].reshape(-1, 3).astype(float)
             return corners, np.arange(len(corners)).reshape(-1, 3)
     words = _STL_VERTEX.findall(data)
-    if not data.lstrip().startswith(b"solid") or not words:
+    if not is_text or not words:
         raise ValueError(
             "the file cannot be read as a mesh: it is neither STL text nor binary STL of the length in its header; it "
             "may be cut short; export or copy it again"

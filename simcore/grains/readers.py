@@ -157,7 +157,8 @@ def select_files(files, names):
 
 def file_name(path):
     """Return the name of a file of grains without its extension; the grain in it has this name."""
-    return path.name.removesuffix(path.suffix).removesuffix(".sh")
+    name = path.name.removesuffix(path.suffix)
+    return name[:-3] if name.lower().endswith(".sh") else name
 
 
 def _reason_to_leave_out(file):
@@ -169,7 +170,7 @@ def _reason_to_leave_out(file):
         return "it is hidden, like the files that macOS writes next to others"
     if suffix not in _EXTENSIONS:
         return f"its extension {suffix!r} is not that of a file of grains"
-    if suffix in _COEFFICIENTS and not (file.name.endswith(".sh.txt") or "anm" in file.name):
+    if suffix in _COEFFICIENTS and not (file.name.lower().endswith(".sh.txt") or "anm" in file.name.lower()):
         return "its name is not that of coefficients, *.sh.txt or *anm*.dat"
     if suffix in _POINTS:
         try:

@@ -41,8 +41,11 @@ def mask_surface(mask, spacing):
     width = _SMOOTHING * np.sqrt(np.cbrt(3 * mask.sum() / (4 * np.pi)))
     margin = int(np.ceil(4 * np.sqrt(2) * width)) + 1
     solid = np.pad(mask, margin).astype(float)
-    level = 2 * gaussian_filter(solid, width) - gaussian_filter(solid, np.sqrt(2) * width) - 0.5
-    points = np.concatenate([_crossings(level, axis) for axis in range(3)])
+    points = np.empty((0, 3))
+    while not len(points):
+        level = 2 * gaussian_filter(solid, width) - gaussian_filter(solid, np.sqrt(2) * width) - 0.5
+        points = np.concatenate([_crossings(level, axis) for axis in range(3)])
+        width /= 2.0  # a sheet that is thinner than the smoothing is nowhere solid
     return (points + start - margin) * spacing
 
 

@@ -222,7 +222,8 @@ def _contact_variables(packed, shift, width):
     found = touching_contacts(packed.bodies, packed.candidates)
     first, second = found.body.T
     # Wrapping shifts the centres of both bodies, so the image changes by the difference of their shifts.
-    image = found.image + np.where(second[:, None] >= 0, shift[second] - shift[first], 0)
+    other = shift[np.maximum(second, 0)]  # a wall has a negative number
+    image = found.image + np.where(second[:, None] >= 0, other - shift[first], 0)
     point = found.point.copy()
     point[:, :2] -= shift[first] * width
     vector = ("contact", "xyz")

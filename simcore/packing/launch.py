@@ -99,6 +99,8 @@ def launch_packing(options, program: list[str]) -> int:
             times[name] = parse_quantity(getattr(options, name), "s")
         except ValueError as error:
             raise ValueError(f"--{name}: {error}") from None
+        if not (times[name] > 0.0 or name == "grace" and times[name] == 0.0):
+            raise ValueError(f"--{name}: '{getattr(options, name)}' is not a time above 0; give one such as '10 min'")
     command = [*program, "pack", str(options.specification), str(options.output), "--threads", str(options.threads)]
     for name in ("checkpoints", "checkpoint_interval", "log", "frames"):
         if getattr(options, name) is not None:

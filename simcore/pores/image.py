@@ -24,6 +24,7 @@ class PoreImage(NamedTuple):
     area: float  # [m²], horizontal area of the domain
     lowest: int  # number of the lowest layer that counts; layers below it only surround the others
     end: int  # number after that of the highest layer that counts
+    volume_error: float = 0.0  # [m³], standard error of the solid volume in these layers by the finite voxels
 
     @property
     def inside(self) -> np.ndarray:
@@ -34,6 +35,11 @@ class PoreImage(NamedTuple):
     def height(self) -> float:
         """Height of the layers that count [m]."""
         return (self.end - self.lowest) * float(self.spacing[2])
+
+    @property
+    def porosity_error(self) -> float:
+        """Standard error of `porosity` by the finite voxels."""
+        return self.volume_error / (self.area * self.height)
 
     @property
     def porosity(self) -> float:
@@ -94,9 +100,12 @@ def pore_image(packing, low, high, size, margin=0.0):
     periodic = packing.attrs["domain_shape"] == "periodic"
     if not periodic:
         pores = _inside_cylinder(pores, grid, 0.5 * float(packing.attrs["domain_width"]))
+    # The variance of the volume is in proportion to the surface, and this nearly to the volume.
+    share = np.count_nonzero(grid.labels[:, :, counted] != PORE) / max(np.count_nonzero(grid.labels != PORE), 1)
     return PoreImage(
-        pores, grid.spacing, periodic, domain_area(packing), int(counted[0] - start), int(counted[-1] + 1 - start)
-    )
+        pores, grid.spacing, periodic, domain_area(packing), int(counted[0] - start), int(counted[-1] + 1 - start),
+        grid.volume_error * float(np.sqrt(share)),
+    )  # fmt: skip
 
 
 def _inside_cylinder(pores, grid, radius):

@@ -50,15 +50,18 @@ def voxel_pores(packing, low, high, voxel=None, network=True):
 
     voxel [m]: edge of the fine voxels, see simcore.pores.image.voxel_sizes. network: whether to compute the pore sizes
     and the pore network, which need the extra `pores`. Each value is that on the fine voxels, and NAME_resolution its
-    difference from that on voxels twice as large. The tortuosity is extrapolated from both, by this difference. sizes:
-    (diameters, shares) on the fine voxels, or None. TooManyVoxels as in voxel_sizes.
+    difference from that on voxels twice as large; for the porosity it is at least the standard error by the finite
+    voxels. The tortuosity is extrapolated from both, by this difference. sizes: (diameters, shares) on the fine voxels,
+    or None. TooManyVoxels as in voxel_sizes.
     """
+    least = {}  # errors on the fine voxels that a small difference does not show
     margin = median_size(packing["D"].values, packing["volume"].values)
     edges = voxel_sizes(packing, low, high, voxel)
     results = []
     for edge in edges:
         image = pore_image(packing, low, high, edge, margin if network else 0.0)
         values = {"voxel_porosity": image.porosity, "tortuosity": tortuosity(image)}
+        least = {"voxel_porosity": image.porosity_error}
         sizes = None
         if network:
             permeability = network_permeability(image, margin)
@@ -71,6 +74,7 @@ def voxel_pores(packing, low, high, voxel=None, network=True):
     numbers = {"voxel_coarse": edges[0], "voxel_fine": edges[1]}
     for name, value in fine.items():
         numbers[name] = value
-        numbers[f"{name}_resolution"] = abs(value - coarse[name]) if np.isfinite(value) else np.inf
+        difference = abs(value - coarse[name]) if np.isfinite(value) else np.inf
+        numbers[f"{name}_resolution"] = max(difference, least.get(name, 0.0))
     numbers["tortuosity"] = extrapolated(coarse["tortuosity"], fine["tortuosity"])
     return numbers, sizes

@@ -30,8 +30,9 @@ def pores_text(results, missing=(), reason="") -> str:
     ]
     if "voxel_fine" in results:
         lines.append(
-            f"± is the difference from voxels of {1e3 * results['voxel_coarse']:.3g} mm, the error of resolution. The "
-            "tortuosity is extrapolated to voxels of size 0."
+            f"± is the difference from voxels of {1e3 * results['voxel_coarse']:.3g} mm, the error of resolution; that "
+            "of the porosity is at least its error by the finite voxels. The tortuosity is extrapolated to voxels of "
+            "size 0."
         )
     if "network_permeability" in results:
         lines.append(f"The pore network has a further error: it misses lattices of spheres by {NETWORK_MISSES}.")
@@ -91,7 +92,7 @@ def _with_error(value, error):
     if not np.isfinite(error):
         return f"{value:.3g}, of unknown error: no path of pores on the coarse voxels"
     power = int(np.floor(np.log10(abs(value))))
-    small = power < -3 or 0.0 < error < 10.0 ** (1 - MAX_DECIMALS) and power < 0
+    small = power < -3 or 0.0 < error < 10.0 ** (1 - MAX_DECIMALS) and power < -1  # a porosity has no power of ten
     scale = 10.0**power if small else 1.0
     decimals = error_decimals(error / scale, digits=2)
     text = f"{value / scale:.{decimals}f} ± {error / scale:.{decimals}f}"

@@ -168,6 +168,7 @@ def test_wrong_input_is_one_line(tmp_path, capsys):
     for arguments, message in (
         ([a], "1 packing is given; give at least two"),
         ([a, a], "given twice"),
+        ([a, f"{tmp_path}/../{tmp_path.name}/a.nc"], "given twice"),
         ([a, b, "--cut", "1 m"], "a.nc: the bed is"),
         ([a, str(tmp_path / "none.nc")], "there is no such file"),
     ):

@@ -48,6 +48,7 @@ def test_a_library_that_is_not_installed_is_named_with_its_extra(bed, tmp_path, 
         (["bed.csv", "--periodic", "cut"], "--periodic has no effect on a .csv file"),
         (["bed.glb", "--voxel", "1 mm"], "--voxel has no effect on a .glb file"),
         (["bed.npz", "--divisions", "2"], "--divisions has no effect on a .npz file"),
+        (["bed.glb", "--divisions", "2"], "--divisions has no effect on a packing of polyhedra"),
         (["bed.npz", "--voxel", "1 kg"], "--voxel: '1 kg' is a mass; a length is needed"),
         (["bed.npz", "--voxel", "1 m"], "choose another --voxel"),
         (["bed.stl", "--divisions", "9"], "divisions: 9 is not possible; give 0 to 5"),
@@ -70,3 +71,10 @@ def test_an_empty_packing_is_refused(tmp_path):
 def test_an_unknown_way_of_images_is_refused(tmp_path):
     with pytest.raises(ValueError, match="'wrap' is unknown; choose one of cut, copy, leave"):
         export(strew("sphere"), tmp_path / "bed.stl", periodic="wrap")
+
+
+def test_sides_of_a_cylinder_have_no_option(tmp_path):
+    bed = make_packing([[0.0, 0.0, 0.005]], 0.005, width=0.03, domain="cylinder")
+    with pytest.raises(ValueError, match="--periodic has no effect on a packing in a cylinder"):
+        export(bed, tmp_path / "bed.stl", periodic="cut")
+    assert export(bed, tmp_path / "bed.stl", divisions=1) == [tmp_path / "bed.stl"]

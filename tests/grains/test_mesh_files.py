@@ -261,3 +261,16 @@ def test_a_coordinate_that_is_no_length_is_refused(tmp_path):
     (tmp_path / "a.obj").write_text(obj_text(QUADS).replace("v 5.0", "v 1e300", 1).replace("v 5 ", "v 1e300 ", 1))
     with pytest.raises(ValueError, match="1e\\+300 mm are too large for lengths"):
         read_grain(tmp_path / "a.obj", "mm")
+
+
+@pytest.mark.parametrize("suffix", ["obj", "off", "stl", "ply"])
+def test_a_byte_order_mark_is_no_part_of_a_mesh(tmp_path, suffix):
+    path = tmp_path / f"box.{suffix}"
+    text = obj_text(QUADS) if suffix == "obj" else BOX.export(file_type="stl_ascii" if suffix == "stl" else suffix)
+    path.write_bytes(b"\xef\xbb\xbf" + (text.encode() if isinstance(text, str) else text))
+    assert_is_box(path)
+
+
+def test_stl_in_capitals_is_read(tmp_path):
+    (tmp_path / "capitals.stl").write_text(BOX.export(file_type="stl_ascii").upper())
+    assert_is_box(tmp_path / "capitals.stl")

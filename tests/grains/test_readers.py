@@ -79,10 +79,12 @@ def test_coefficient_files_by_either_name(tmp_path):
     text = f"0 0 {5 * np.sqrt(4 * np.pi)} 0\n1 0 1 0\n"
     (tmp_path / "A_1.sh.txt").write_text("# comment\n" + text)
     (tmp_path / "A0.5-anm-00002.dat").write_text(text)
+    (tmp_path / "B_1.SH.TXT").write_text(text)
+    (tmp_path / "B-ANM-1.DAT").write_text(text)
     (tmp_path / "length-stats.dat").write_text("no coefficients")
     (tmp_path / "notes.txt").write_text("no coefficients")
     grains = read_grain_files(tmp_path, "mm")
-    assert [grain.name for grain in grains] == ["A0.5-anm-00002", "A_1"]
+    assert [grain.name for grain in grains] == ["A0.5-anm-00002", "A_1", "B-ANM-1", "B_1"]
     assert grains[0].L == grains[1].L == pytest.approx(0.01, rel=0.01)
 
 

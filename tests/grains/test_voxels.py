@@ -179,3 +179,11 @@ def test_an_archive_without_a_mask_is_refused_with_its_names(tmp_path):
     np.savez(tmp_path / "a.npz", image=APART)
     with pytest.raises(ValueError, match=r"a\.npz: it has no array mask, but image"):
         read_grains_of(tmp_path / "a.npz", "mm", 0.05)
+
+
+def test_a_sheet_thinner_than_the_smoothing_has_a_surface():
+    """The smoothing of a sheet of 60 x 60 voxels is wider than the sheet, which is one voxel thick."""
+    mask = np.zeros((64, 64, 5), bool)
+    mask[2:62, 2:62, 2] = True
+    points = mask_surface(mask, 1.0)
+    assert np.ptp(points, axis=0) == pytest.approx([60.0, 60.0, 1.0], abs=1.0)

@@ -36,6 +36,19 @@ def test_the_file_has_the_distance_of_the_time_step_from_its_limits(made):
     assert 0.0 < attrs["deepest_overlap_in_half_thicknesses"] < 1.0
 
 
+def test_a_single_grain_in_a_cylinder_has_a_file():
+    """The number of the wall, -2, is not that of a grain."""
+    setup = set_up_few_spheres(
+        domain={"type": "cylinder", "width": "9 mm", "height": "0.3 m"},
+        amount={"grains": 1},
+        sizes={"bounds": ["7 mm", "7.001 mm"], "allow_few_top_grains": True},
+    )
+    packed = pack(setup.scene, setup.bases, setup.draw)
+    dataset = packing_dataset(setup.scene, setup.bases, packed, setup.sample(np.arange(1)), resolve(FEW_SPHERES))
+    assert dataset["contact_body"].values[:, 0].tolist() == [0, 0]
+    assert sorted(dataset["contact_body"].values[:, 1]) == [-2, -1]
+
+
 def test_the_file_holds_what_was_packed(made, tmp_path):
     packed, dataset = made
     path = tmp_path / "filed.nc"

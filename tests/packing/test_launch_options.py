@@ -7,6 +7,14 @@ from simcore.__main__ import main
 
 
 @pytest.mark.parametrize(
+    ("option", "value"), [("--silence", "0 s"), ("--silence", "-1 s"), ("--startup", "0 s"), ("--grace", "-1 s")]
+)
+def test_times_that_would_end_each_run_are_refused(tmp_path, capsys, option, value):
+    assert main(["launch", str(tmp_path / "spec.yaml"), str(tmp_path / "bed.nc"), f"{option}={value}"]) == 2
+    assert f"{option}: '{value}' is not a time above 0" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
     "options",
     [
         [],

@@ -7,6 +7,7 @@ from simcore.evaluation.porosity import bulk_porosity
 from simcore.pores import image
 from simcore.pores.image import TooManyVoxels, pore_image, voxel_sizes
 from tests.helpers.packings import make_packing, sphere_lattice
+from tests.helpers.random_beds import strew
 
 
 def lattice(domain="periodic"):
@@ -25,6 +26,19 @@ def test_porosity_is_that_of_the_bulk():
     assert found.height == pytest.approx(high - low, abs=0.25e-3)
     assert found.porosity == pytest.approx(float(bulk["n"]), abs=0.005)
     assert found.periodic and found.inside.shape == found.pores.shape
+
+
+def test_the_error_of_the_porosity_is_that_of_counting_voxels():
+    """Beds at random places in the grid scatter by the stated error; that of the layers is part of that of the grid."""
+    errors, stated = [], []
+    for seed in range(12):
+        bed = strew("ellipsoid", seed=seed)
+        found = pore_image(bed, 0.004, 0.012, 0.4e-3)
+        fine = pore_image(bed, 0.004, 0.012, 0.1e-3)
+        assert found.height == pytest.approx(fine.height)
+        errors.append(found.porosity - fine.porosity)
+        stated.append(found.porosity_error)
+    assert 0.5 < np.std(errors) / np.mean(stated) < 2.0
 
 
 def test_outside_a_cylinder_there_are_no_pores():

@@ -70,6 +70,7 @@ def test_a_bed_that_needs_too_many_voxels_has_the_first_block(bed, without_extra
 
 def test_numbers_and_errors_of_any_size():
     assert _with_error(0.4537, 0.0016) == "0.4537 ± 0.0016"
+    assert _with_error(0.43454, 4e-5) == "0.4345 ± 0.0000"
     assert _with_error(1e-3, 1e-5) == "(1.000 ± 0.010)e-3"
     assert _with_error(6.044e-8, 2.2e-10) == "(6.044 ± 0.022)e-8"
     assert _with_error(1.4, 1e-6) == "1.4000 ± 0.0000"
