@@ -81,12 +81,13 @@ def mesh_bodies(vertices, faces):
     """
     import trimesh  # imported here because it loads slowly and most commands read no mesh
 
-    size = np.ptp(vertices[faces.ravel()], axis=0).max() or 1.0
-    centred = (vertices - vertices.mean(0)) / size
+    used, corners = np.unique(faces, return_inverse=True)  # a file may have vertices without a face, at any place
+    size = np.ptp(vertices[used], axis=0).max() or 1.0
+    centred = (vertices[used] - vertices[used].mean(0)) / size
     thickness = np.linalg.svd(centred - centred.mean(0), compute_uv=False)[-1] / np.sqrt(len(centred))
     if thickness < 1e-6:
         raise ValueError("the mesh is flat: all its vertices are in one plane; export a closed surface")
-    closed = trimesh.Trimesh(centred, faces, process=False)
+    closed = trimesh.Trimesh(centred, corners.reshape(faces.shape), process=False)
     closed.merge_vertices(merge_tex=True, merge_norm=True)  # STL repeats the corners of every triangle
     labels = _components(len(closed.vertices), closed.faces)[closed.faces[:, 0]]
     kept = closed.nondegenerate_faces()

@@ -274,3 +274,10 @@ def test_a_byte_order_mark_is_no_part_of_a_mesh(tmp_path, suffix):
 def test_stl_in_capitals_is_read(tmp_path):
     (tmp_path / "capitals.stl").write_text(BOX.export(file_type="stl_ascii").upper())
     assert_is_box(tmp_path / "capitals.stl")
+
+
+@pytest.mark.parametrize("far", [1e3, 1e9, 1e15])
+def test_a_vertex_without_a_face_has_no_effect(tmp_path, far):
+    text = obj_text(QUADS).split("\n")
+    (tmp_path / "box.obj").write_text("\n".join([*text[:8], f"v {far} 0 0", *text[8:]]))
+    assert_is_box(tmp_path / "box.obj")
