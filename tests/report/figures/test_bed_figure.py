@@ -89,7 +89,8 @@ def test_a_bed_too_low_to_evaluate_is_drawn_with_a_note(tmp_path, capsys):
     write_packing(tmp_path / "bed.nc", ellipsoids())
     assert main(["plot", str(tmp_path / "bed.nc"), "--cut", "40 mm"]) == 0
     printed = capsys.readouterr()
-    assert printed.err.startswith("scree plot: without bulk porosity: ") and printed.err.count("\n") == 1
+    assert printed.err.startswith(f"scree plot: {tmp_path / 'bed.nc'}: without bulk porosity: ")
+    assert printed.err.count("\n") == 1
     assert (tmp_path / "bed.png").exists()
 
 
