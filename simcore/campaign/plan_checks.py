@@ -1,11 +1,12 @@
 """Checks of a campaign before its first packing: names of studies, shared tables, and heights of beds."""
 
 import re
+from pathlib import Path
 
 from simcore.campaign import deposits
 from simcore.campaign.gathering import table_of
 from simcore.evaluation.interval import campaign_cut
-from simcore.grains.sources import source_name
+from simcore.grains.sources import source_files, source_name
 from simcore.packing.forecast import check_bed, typical_grains, with_last_batch
 from simcore.paths import ROOT
 from simcore.scene.domain import Domain
@@ -41,8 +42,9 @@ def check_sources(groups) -> None:
     sources = {}
     for group in groups:
         source = group["source"]
-        known = sources.setdefault(source_name(source), source)
-        if known != source:
+        files = [Path(file).resolve() for file in source_files(group)]
+        known, known_files = sources.setdefault(source_name(source), (source, files))
+        if known_files != files:
             raise ValueError(
                 f"grains.source: {known} and {source} have one name, {source_name(source)}, and rows of packings have "
                 "only the name; rename one of them"
@@ -73,8 +75,8 @@ def check_shared_tables(packings) -> None:
             both = " and ".join(dict.fromkeys([f"{other.study}/{other.packing}", f"{row.study}/{row.packing}"]))
             raise ValueError(
                 f"studies.{row.study}: {both} have the same sieve curve and form and differ in {', '.join(names)}, and "
-                "one table and one model would mix them; give the study of one of them another name, such as "
-                f"friction_{row.study}"
+                "one table and one model would contain both; rename one of these studies, for example to "
+                f"my_{row.study}"
             )
 
 

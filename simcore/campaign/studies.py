@@ -124,7 +124,7 @@ def _without(table, names, where):
     table = table[~table.packing.isin(names)].reset_index(drop=True)
     if table.empty:
         raise ValueError(
-            f"{where}.leaves_out: it lists all packings; list fewer, or remove the study with {where}: null"
+            f"{where}.leaves_out: these are all packings of the study; leave out fewer, or set {where} to null"
         )
     return table
 

@@ -335,6 +335,8 @@ def test_two_folders_of_grains_with_one_name_are_refused(tmp_path):
     studies = {"single_form": {"fixes": grains, "varies": {"shapes.grain": ["a", "b"]}}, "mine": right}
     with pytest.raises(ValueError, match="left/grains and .*right/grains have one name, grains, .* rename one of them"):
         plan_of(studies=studies, grains={"source": folders[0], "unit": "m"}).check()
+    right["fixes"]["grains"]["source"] = str(tmp_path / "right" / ".." / "left" / "grains")
+    plan_of(studies=studies, grains={"source": folders[0], "unit": "m"}).check()
     Path(folders[1]).rename(tmp_path / "right" / "others")
     right["fixes"]["grains"]["source"] = str(tmp_path / "right" / "others")
     plan_of(studies=studies, grains={"source": folders[0], "unit": "m"}).check()

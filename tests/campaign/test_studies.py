@@ -56,7 +56,7 @@ def test_a_study_leaves_out_packings_by_name():
     "names, message",
     [
         (["U7-seed_1"], "studies.s.leaves_out: there is no packing 'U7-seed_1'; the packings are U1, U7"),
-        (["U1", "U7"], "it lists all packings; list fewer, or remove the study with studies.s: null"),
+        (["U1", "U7"], "these are all packings of the study; leave out fewer, or set studies.s to null"),
     ],
 )
 def test_packings_left_out_must_exist_and_others_remain(names, message):
