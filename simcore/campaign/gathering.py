@@ -24,14 +24,12 @@ from simcore.scene.identity import result_digest, same_result
 log = logging.getLogger(__name__)
 
 RESULT = ["n", "n_error", "grains", "cpu_s"]
-OF_LONG_GRAINS = ["source", "case", "mu_FL_nominal", "sigma_FL_nominal", "mu_EL_nominal", "sigma_EL_nominal", "seed"]
+OF_SETS = ["case", "mu_FL_nominal", "sigma_FL_nominal", "mu_EL_nominal", "sigma_EL_nominal", "seed"]
+OF_LONG_GRAINS = ["source", *OF_SETS]
 # For each table: the columns that identify a packing, and further columns that describe it.
 COLUMNS = {
     "single_form": (["source", "case", "grain", "representation", "seed"], ["L", "I", "S"]),
-    "form_mixture": (
-        ["case", "mu_FL_nominal", "sigma_FL_nominal", "mu_EL_nominal", "sigma_EL_nominal", "seed"],
-        ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"],
-    ),
+    "form_mixture": (OF_SETS, ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]),
     "validation": (["case", "run"], []),
     "mesh_resolution": (["case", "faces", "seed"], []),
     "application": (["case", "choice", "seed"], ["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]),
@@ -43,6 +41,7 @@ COLUMNS = {
     "difference_long_wide": (OF_LONG_GRAINS, []),
     "size_and_form": (["case", "grain", "representation", "width_m", "mass_kg", "seed"], []),
     "form_by_size": (["study", "case", "seed"], []),
+    "mixtures_wide": (OF_SETS, []),
     "base_time": (["case", "grain", "representation", "mass_kg", "seed"], []),
     "base_rate": (["case", "grain", "representation", "spacing", "mass_kg", "seed"], []),
     "base_size": (["case", "grain", "representation", "width_m", "mass_kg", "seed"], []),
@@ -65,7 +64,7 @@ ORDER = {
 LEDGER = ["study", "source", "packing", "settings", "cpu_s", "grain_steps", "code", "evaluation"]
 # Tables whose rows also have the columns of simcore.campaign.composition_columns.
 COMPOSED = {
-    "size_and_form", "lattice_beds", "form_by_size",
+    "size_and_form", "lattice_beds", "form_by_size", "mixtures_wide",
     "base_time", "base_rate", "base_size", "base_process", "base_forms",
 }  # fmt: skip
 # Studies whose name begins with a key share that table; any other study has its own table.

@@ -71,6 +71,7 @@ TABLES = {
     "base_*": (studies.COMPOSITION, COLUMNS),
     "form_by_size": (studies.COMPOSITION, COLUMNS),
     "lattice_beds": (studies.COMPOSITION, COLUMNS),
+    "mixtures_wide": (studies.COMPOSITION, COLUMNS),
     "size_and_form": (studies.COMPOSITION, COLUMNS),
     "size_and_form_known": (models.KNOWN_BEDS, COLUMNS),
     "size_and_form_mixtures": (models.KNOWN_BEDS, COLUMNS),
