@@ -1,0 +1,121 @@
+"""Beds of U7 with a distribution of form, predicted by the model of size and form, to which they were not fitted.
+
+    python -m benchmarks.studies.mixtures_wide
+
+The beds are the study mixtures_wide of config/size_and_form.yaml (mixtures_wide.csv).
+docs/appendices/size_and_form_plan.md has the rules, "Distributions of form in U7". Printed are the beds with their
+errors, by the effect of form of beds of one class that are a rain, as these beds are, and of those on lattices, which
+`predict` uses; what the rules say of them; and how much of the effect of form on one class remains in U7. Seconds.
+"""
+
+import numpy as np
+import pandas as pd
+
+from benchmarks.studies.base_forms import SETS, of_all_forms, rain_model
+from benchmarks.studies.size_and_form_fit import OTHER_BASES, STUDY, read_rows
+from simcore.grains.statistics import STATISTICS, equancy_statistics
+from simcore.models.fitting import fit_reference_models
+from simcore.models.size_and_form.bases import fit_bases
+from simcore.models.size_and_form.beds import ALL_FORMS, BASE, form_labels
+from simcore.models.size_and_form.sized_model import current_model
+from simcore.models.unified import unified_features
+from simcore.reference.share_columns import realised_curve
+
+BEDS = "mixtures_wide"
+RHINE = (0.647, 0.175, 0.682, 0.139)  # mean and standard deviation of FL and of EL, as in SETS
+PROCESSES = ("rain", "lattices")
+RHINE_LIMIT, SETS_LIMIT = 0.005, 0.010  # of the rules
+
+
+def specified_statistics(rows):
+    """Return the STATISTICS of the distributions of form that the beds are specified with, for `unified_features`."""
+    values = [rows[name].to_numpy(float) for name in SETS]
+    return pd.DataFrame(dict(zip(STATISTICS, (*equancy_statistics(*values), *values[2:]), strict=True)), rows.index)
+
+
+def comparison(beds=None) -> pd.DataFrame:
+    """Return one row per bed: SETS, seed, n, n_error, and for each of PROCESSES one_class_<process>, <process>.
+
+    one_class is the predicted porosity of the same grains in one sieve class, <process> the predicted porosity of the
+    bed. beds: as from `read_rows`; None: the packed ones.
+    """
+    beds = read_rows(BEDS) if beds is None else beds
+    of_plan = read_rows(STUDY)
+    bases = pd.concat([of_plan[of_plan["case"] == BASE], read_rows(OTHER_BASES)], ignore_index=True)
+    fitted = fit_bases(bases.assign(form=form_labels(bases)))
+    references = fitted.constants[ALL_FORMS] + fitted.effect(beds)
+    curves = [realised_curve(bed, BEDS) for _, bed in beds.iterrows()]
+    table = beds[[*SETS, "seed", "n", "n_error"]].copy()
+    of_process = {"rain": rain_model(), "lattices": fit_reference_models().models["unified", BASE]}
+    for process in PROCESSES:
+        of_form = of_process[process]
+        base = float(of_form.predict(unified_features(of_all_forms().to_frame().T))[0])
+        one_class = references + of_form.predict(unified_features(specified_statistics(beds))) - base
+        table[f"one_class_{process}"] = one_class
+        table[process] = [
+            float(np.squeeze(current_model().predict(curve, float(n1), reference=float(reference))))
+            for curve, n1, reference in zip(curves, one_class, references, strict=True)
+        ]
+    return table
+
+
+def is_rhine(table):
+    """Return which rows of a table of `comparison` have the Rhine's distribution of form; bool array (beds,)."""
+    return (table[SETS].to_numpy(float) == RHINE).all(axis=1)
+
+
+def judgement(table, process="rain") -> pd.DataFrame:
+    """Return what the rules say: `beds`, their `error`, its `limit`, and whether they are `confirmed`.
+
+    Two rows: the Rhine's beds, with the mean of predicted minus packed porosity, and the sets, with its root mean
+    square. The error is nan if no such bed is packed.
+    """
+    errors = (table[process] - table["n"]).to_numpy()
+    rhine, sets = errors[is_rhine(table)], errors[~is_rhine(table)]
+    values = [
+        (len(rhine), rhine.mean() if len(rhine) else np.nan, RHINE_LIMIT),
+        (len(sets), np.sqrt(np.mean(sets**2)) if len(sets) else np.nan, SETS_LIMIT),
+    ]
+    rows = pd.DataFrame(values, ["Rhine", "sets"], ["beds", "error", "limit"])
+    return rows.assign(confirmed=rows["error"].abs() <= rows["limit"])
+
+
+def slopes(table, process="rain"):
+    """Return the slopes on the one-class porosity of the packed and of the predicted porosities, and the error of the first.
+
+    The straight line through the packed porosities is weighted by their sampling errors, and its error is at least
+    that which follows from them.
+    """
+    x = table[f"one_class_{process}"].to_numpy()
+    weights = 1.0 / np.square(table["n_error"].to_numpy())
+    packed, predicted = (_slope(x, table[name].to_numpy(), weights) for name in ("n", process))
+    residuals = table["n"].to_numpy() - np.average(table["n"], weights=weights) - packed * (x - np.average(x, weights=weights))
+    scatter = max(1.0, float(np.sum(weights * residuals**2) / (len(x) - 2)))
+    spread = np.sum(weights * (x - np.average(x, weights=weights)) ** 2)
+    return packed, predicted, float(np.sqrt(scatter / spread))
+
+
+def _slope(x, y, weights):
+    away = x - np.average(x, weights=weights)
+    return float(np.sum(weights * away * y) / np.sum(weights * away**2))
+
+
+def main() -> None:
+    """Print the beds and what the rules say of them."""
+    try:
+        table = comparison()
+    except ValueError as error:
+        raise SystemExit(f"mixtures_wide: {error}") from None
+    shown = table.assign(**{f"error_{process}": table[process] - table["n"] for process in PROCESSES})
+    print(shown.drop(columns=list(PROCESSES)).to_string(index=False, float_format="%.4f"))
+    for process in PROCESSES:
+        print(f"\nThe effect of form on one class is that of beds inserted as {process}" if process == "rain" else
+              "\nThe effect of form on one class is that of beds on lattices")
+        print(judgement(table, process).to_string(float_format="%+.4f"))
+        if len(table) > 2:
+            packed, predicted, error = slopes(table, process)
+            print(f"slope on the one-class porosity: packed {packed:.2f} +- {error:.2f}, predicted {predicted:.2f}")
+
+
+if __name__ == "__main__":
+    main()
