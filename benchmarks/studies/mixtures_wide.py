@@ -80,28 +80,24 @@ def judgement(table, process="rain") -> pd.DataFrame:
     return rows.assign(confirmed=rows["error"].abs() <= rows["limit"])
 
 
-def slopes(table, process="rain"):
-    """Return the slopes on the one-class porosity of the packed and of the predicted porosities, and the error of the first.
+def slopes(table, process="rain") -> dict:
+    """Return the slopes of porosity on one-class porosity: `packed`, its standard error `error`, and `predicted`.
 
-    The straight line through the packed porosities is weighted by their sampling errors, and its error is at least
-    that which follows from them.
+    Beds are weighted by their sampling errors. The standard error is at least that which follows from these.
     """
     x = table[f"one_class_{process}"].to_numpy()
+    n = table["n"].to_numpy()
     weights = 1.0 / np.square(table["n_error"].to_numpy())
-    packed, predicted = (_slope(x, table[name].to_numpy(), weights) for name in ("n", process))
-    residuals = table["n"].to_numpy() - np.average(table["n"], weights=weights) - packed * (x - np.average(x, weights=weights))
-    scatter = max(1.0, float(np.sum(weights * residuals**2) / (len(x) - 2)))
-    spread = np.sum(weights * (x - np.average(x, weights=weights)) ** 2)
-    return packed, predicted, float(np.sqrt(scatter / spread))
-
-
-def _slope(x, y, weights):
     away = x - np.average(x, weights=weights)
-    return float(np.sum(weights * away * y) / np.sum(weights * away**2))
+    squares = np.sum(weights * away**2)
+    packed, predicted = (float(np.sum(weights * away * y) / squares) for y in (n, table[process].to_numpy()))
+    residuals = n - np.average(n, weights=weights) - packed * away
+    scatter = np.sum(weights * residuals**2) / (len(table) - 2)
+    return {"packed": packed, "error": float(np.sqrt(max(1.0, scatter) / squares)), "predicted": predicted}
 
 
 def main() -> None:
-    """Print the beds and what the rules say of them."""
+    """Print the beds, what the rules say of them, and the slopes."""
     try:
         table = comparison()
     except ValueError as error:
@@ -109,12 +105,14 @@ def main() -> None:
     shown = table.assign(**{f"error_{process}": table[process] - table["n"] for process in PROCESSES})
     print(shown.drop(columns=list(PROCESSES)).to_string(index=False, float_format="%.4f"))
     for process in PROCESSES:
-        print(f"\nThe effect of form on one class is that of beds inserted as {process}" if process == "rain" else
-              "\nThe effect of form on one class is that of beds on lattices")
+        print(f"\nWith the effect of form of beds of one class by the process {process!r}:")
         print(judgement(table, process).to_string(float_format="%+.4f"))
         if len(table) > 2:
-            packed, predicted, error = slopes(table, process)
-            print(f"slope on the one-class porosity: packed {packed:.2f} +- {error:.2f}, predicted {predicted:.2f}")
+            slope = slopes(table, process)
+            print(
+                f"slope on the one-class porosity: packed {slope['packed']:.2f} +- {slope['error']:.2f}, "
+                f"predicted {slope['predicted']:.2f}"
+            )
 
 
 if __name__ == "__main__":
