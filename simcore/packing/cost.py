@@ -5,6 +5,7 @@ uses the specification alone and reads no grain. `explanation.py` uses the grain
 as a `Pour` and compute the cost from the `Pour` and the Scene in the same way.
 """
 
+import functools
 from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
@@ -264,7 +265,7 @@ def _lattice_batches(scene, pour):
         # Grains take half a spacing at either end. Above a high bed there is always space for one layer.
         has_space = done == 0 or low <= REFILL_HEIGHT * height or (not r22 and low < height)
         high = max(height - spacing, low if r22 or done == 0 else low + 0.5 * spacing)
-        sites = len(lattice_sites(domain, spacing, low, high, *stretch)) // stride if has_space else 0
+        sites = _count_sites(domain, spacing, low, high, *stretch) // stride if has_space else 0
         count = sites if whole else min(sites, pour.grains - done)
         if count == 0:  # `pack` reports that the domain is too small, or fits the rest in
             return inserted + [pour.grains], steps + [0]
@@ -273,6 +274,12 @@ def _lattice_batches(scene, pour):
         if done >= pour.grains:
             return inserted, steps + [0]
         steps.append(wait)
+
+
+@functools.lru_cache(maxsize=4096)
+def _count_sites(domain, spacing, low, high, stretch_x, stretch_z):
+    """Return the number of sites of a lattice; the batches of a packing, and packings of a study, share lattices."""
+    return len(lattice_sites(domain, spacing, low, high, stretch_x, stretch_z))
 
 
 def last_batch_is_whole(scene) -> bool:

@@ -1,12 +1,13 @@
 """Snakemake on this project in a folder of its own."""
 
 import os
-import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
 from simcore.paths import ROOT
+from tests.helpers.snakemake_process import run_snakemake
 
 STUDIES = {
     "mesh_resolution",
@@ -44,9 +45,11 @@ class Workplace:
     def run(self, *arguments, path=f"{Path(sys.executable).parent}:{os.environ['PATH']}"):
         """Run Snakemake; return its exit status and its output, (int, str)."""
         environment = {**os.environ, "PATH": path}
-        command = [sys.executable, "-m", "snakemake", "--cores", "2", "--nocolor", *arguments]
-        done = subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, text=True)
-        return done.returncode, done.stdout + done.stderr
+        with tempfile.TemporaryDirectory() as scratch:
+            output = [Path(scratch) / name for name in ("stdout", "stderr")]
+            arguments = ["--cores", "2", "--nocolor", *arguments]
+            status = run_snakemake(arguments, self.folder, environment, output)
+            return status, "".join(path.read_text(encoding="utf-8") for path in output)
 
     def jobs(self, *arguments):
         """Return the jobs of a dry run, a list of `Job`."""
