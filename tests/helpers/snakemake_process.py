@@ -1,4 +1,4 @@
-"""Snakemake in a process that is forked from one in which all modules are loaded, which halves the time of a dry run."""
+"""Snakemake in a process forked from one in which all modules are loaded, which halves the time of a dry run."""
 
 import multiprocessing
 import os

@@ -7,6 +7,8 @@ import pandas as pd
 import pytest
 import statsmodels.api as sm
 from scipy.stats import norm
+from sklearn.linear_model import LinearRegression
+from sklearn.model_selection import GroupKFold
 
 from simcore.grains.form import features as form_features
 from simcore.models.regression import (
@@ -210,6 +212,22 @@ def test_draws_that_carry_no_model_are_left_out():
     drawn = bootstrap(pd.DataFrame({"a": [0.0, 0.0, 0.0, 0.0, 1.0]}), [0.3, 0.31, 0.29, 0.3, 0.4])
     assert abs(len(drawn) - 0.672 * RESAMPLES) < 4 * 21
     assert np.abs(drawn).max() < 1.0
+
+
+@pytest.mark.parametrize("dependent_columns", [False, True])
+def test_predictions_have_the_bits_of_sklearn(dependent_columns):
+    rng = np.random.default_rng(8)
+    X = rng.uniform(1.0, 4.0, (40, 3))
+    if dependent_columns:
+        X[:, 2] = X[:, 0] - X[:, 1]
+    y = 0.3 + X @ [0.02, 0.01, 0.0] + 0.005 * rng.standard_normal(40)
+    predicted, folds = predict_unseen(pd.DataFrame(X), y, repeats=3, seed=5)
+    assert folds == 10
+    expected = np.empty_like(predicted)
+    for repeat in range(3):
+        for train, test in GroupKFold(10, shuffle=True, random_state=5 + repeat).split(X, y, np.arange(40)):
+            expected[repeat, test] = LinearRegression().fit(X[train], y[train]).predict(X[test])
+    np.testing.assert_array_equal(predicted, expected)
 
 
 def test_a_group_is_left_out_whole():
