@@ -7,8 +7,8 @@ from benchmarks.correctness.equality import DISTURBED, RUNS, SCENES, launch
 from simcore.packing.file import differences, read_packing
 
 # Every scene is packed on two ranks in rows, on three or four ranks, and is stopped and resumed on another number. The
-# benchmark packs all scenes in all ways, which takes minutes: more ranks than cores are slow, and so is the compiler with
-# the parallel loops of two threads. Those of mixed grains find contacts of ellipsoids and of polyhedra, and those of a
+# benchmark packs all scenes in all ways, which takes minutes: more ranks than cores are slow, and so is compiling the
+# parallel loops of two threads. Those of mixed grains find contacts of ellipsoids and of polyhedra, and those of a
 # deposit contacts of spheres.
 FEWER = {
     "ranks_1": ["mixed", "deposit"],
