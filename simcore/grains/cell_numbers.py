@@ -29,31 +29,41 @@ def read_number(where, name, text):
     where: file and row, name: column, both for the message. ValueError if the text is no finite number.
     """
     plain = text.replace("\u2212", "-")
-    if plain.rstrip().endswith("%"):
-        raise ValueError(f"{where}: {name} is '{text}'; give a fraction, 0.65 instead of 65 %")
-    check_sheet_error(where, name, text)
-    if DATE.fullmatch(plain):
-        raise ValueError(
-            f"{where}: {name} is '{text}'; a spreadsheet took the number for a date: format the column as text, and "
-            "enter it"
-        )
-    if "." in plain and "," in plain or max(plain.count(mark) for mark in ",.") > 1 or _SPLIT.search(plain):
-        raise ValueError(
-            f"{where}: {name} is '{text}'; a number is needed, without separators of thousands; write its unit, if "
-            "any, in the header"
-        )
     if not NUMBER.fullmatch(plain):
-        raise ValueError(f"{where}: {name} is '{text}'; a number is needed; write its unit, if any, in the header")
+        raise ValueError(_no_number(where, name, text, plain))
     value = float(plain.replace(",", "."))
     if not isfinite(value):
         raise ValueError(f"{where}: {name} is {text}; a finite number is needed; remove the row if it is unknown")
     return value
 
 
+def _no_number(where, name, text, plain):
+    """Return the message for a cell that is no number; plain: the text with ASCII minus signs."""
+    if plain.rstrip().endswith("%"):
+        return f"{where}: {name} is '{text}'; give a fraction, 0.65 instead of 65 %"
+    if SHEET_ERROR.fullmatch(text):
+        return _sheet_error(where, name, text)
+    if DATE.fullmatch(plain):
+        return (
+            f"{where}: {name} is '{text}'; a spreadsheet took the number for a date: format the column as text, and "
+            "enter it"
+        )
+    if "." in plain and "," in plain or max(plain.count(mark) for mark in ",.") > 1 or _SPLIT.search(plain):
+        return (
+            f"{where}: {name} is '{text}'; a number is needed, without separators of thousands; write its unit, if "
+            "any, in the header"
+        )
+    return f"{where}: {name} is '{text}'; a number is needed; write its unit, if any, in the header"
+
+
+def _sheet_error(where, name, text):
+    return f"{where}: {name} is '{text}', an error of the spreadsheet; correct its formula"
+
+
 def check_sheet_error(where, name, text):
     """Raise ValueError if a cell has an error of a spreadsheet, such as #DIV/0!."""
     if SHEET_ERROR.fullmatch(text):
-        raise ValueError(f"{where}: {name} is '{text}', an error of the spreadsheet; correct its formula")
+        raise ValueError(_sheet_error(where, name, text))
 
 
 def check_decimal_marks(path, names, cells):

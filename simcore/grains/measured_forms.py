@@ -185,15 +185,17 @@ def _read_rows(path, table, columns):
     read = read_numbers if columns.kind == MEANS else read_counts
     counts, count_notices = read(path, table.header, cells, columns)
     check_decimal_marks(path, {position: name for name, position in columns.forms.items()}, cells)
+    stem = Path(path).stem
 
     def read_row(row, texts):
         where = f"{path}, row {row}"
         values = _read_forms(where, table, texts, columns, row)
         _CHECKS[columns.kind](where, values)
-        return _name_of(where, table.header, texts, columns, row, Path(path).stem), (where, values, row)
+        return _name_of(where, table.header, texts, columns, row, stem), (where, values, row)
 
     groups = {}
-    for name, form in read_each(cells.iterrows(), read_row):
+    rows = ((row, dict(zip(cells, texts, strict=True))) for row, *texts in cells.itertuples(name=None))
+    for name, form in read_each(rows, read_row):
         groups.setdefault(name, []).append(form)
     notices = [*table.notices, *notices, *count_notices, *_describe_unused(table.header, cells, columns)]
     noun = group_noun(table.header, columns.sample)

@@ -74,9 +74,11 @@ def nameless_column(title, names, rows, sample_names):
 
 def comment_of(texts):
     """Return the text of a row that is a comment, such as `# end`, without numbers in its other cells, or ""."""
+    if not texts[0].startswith("#"):
+        return ""
     text = " ".join(filter(None, texts))
     is_value = SHEET_ERROR.fullmatch(texts[0]) or any(re.match(r"[-+]?[.,]?\d", text) for text in texts[1:])
-    return text if texts[0] and re.match(r"#\s*[^\d\s]", text) and not is_value else ""
+    return text if re.match(r"#\s*[^\d\s]", text) and not is_value else ""
 
 
 def width(texts) -> int:
