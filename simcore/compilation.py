@@ -179,6 +179,14 @@ def cycles(typing_context):
     return types.int64(), generate
 
 
+def thread_limit() -> int:
+    """Return the largest number of threads that a parallel kernel can have.
+
+    numba launches as many as it found when it was imported; its `config` follows a later change of NUMBA_NUM_THREADS.
+    """
+    return max(numba.config.NUMBA_NUM_THREADS, numba.get_num_threads())
+
+
 def set_threads(n_threads: int) -> None:
     """Set the number of threads of the parallel kernels. ValueError if it exceeds the limit of the machine."""
     limit = numba.config.NUMBA_NUM_THREADS

@@ -143,7 +143,8 @@ def main(arguments=None) -> int:
                 f"{packing.sizes['grain']} grains, {packing.attrs['steps']} steps, {packing.sizes['contact']} contacts"
             )
         note = f"; in one of them only: {', '.join(only_in_one)}" if only_in_one else ""
-        print(f"{name}: {size}: {'; '.join(differences) if differences else 'equal to the bit'}{note}", flush=True)
+        equal = "equal to the bit in what both have" if only_in_one else "equal to the bit"
+        print(f"{name}: {size}: {'; '.join(differences) or equal}{note}", flush=True)
         failed += bool(differences)
     return int(failed > 0)
 

@@ -109,6 +109,7 @@ RUNS = {
     "stopped_2_then_1": Run(2, stop=0.7, then="one"),
     "stopped_3_then_2_rows": Run(3, stop=0.3, then="ranks_2_rows"),
 }
+RESUMED = "resumes from step"
 DISTURBED = Run(2, disturbed=True)  # the control, which must not give the same bits
 
 
@@ -130,8 +131,23 @@ def load_grains(group):
     return [make_grain(f"g{k}", 1e-3 * points * [2.0, 2.4 + 0.3 * k, 4.0]) for k, points in enumerate(directions)]
 
 
-def launch(run: Run, folder: Path, scenes, large=False, timeout=None) -> None:
-    """Run all scenes in one command and write folder / scene.nc; RuntimeError if the command fails."""
+def make(name: str, folder: Path, scenes, large=False, timeout=None) -> None:
+    """Make RUNS[name] and write folder / scene.nc.
+
+    RuntimeError if the command fails, or if a scene is not stopped and resumed as the run says.
+    """
+    run = RUNS[name]
+    launch(run, folder, scenes, large, timeout)
+    if run.stop:
+        if written := sorted(path.name for path in folder.glob("*.nc")):
+            raise RuntimeError(f"{name}: {', '.join(written)} are written, although the run should have been stopped")
+        said = launch(RUNS[run.then], folder, scenes, large, timeout)
+        if said.count(RESUMED) != len(scenes):
+            raise RuntimeError(f"{name}: {said.count(RESUMED)} of {len(scenes)} scenes were resumed from a checkpoint")
+
+
+def launch(run: Run, folder: Path, scenes, large=False, timeout=None) -> str:
+    """Run all scenes in one command and return what it prints; RuntimeError if the command fails."""
     folder.mkdir(parents=True, exist_ok=True)
     command = [
         sys.executable,
@@ -157,6 +173,7 @@ def launch(run: Run, folder: Path, scenes, large=False, timeout=None) -> None:
     )
     if done.returncode != 0:
         raise RuntimeError(f"{run}: status {done.returncode}\n{done.stderr[-2000:]}")
+    return done.stdout
 
 
 def work(run: Run, ranks, folder: Path, scenes, large) -> None:
@@ -168,6 +185,7 @@ def work(run: Run, ranks, folder: Path, scenes, large) -> None:
     from simcore.packing.process import pack
 
     set_threads(run.threads)
+    report = print if ranks.rank == 0 else lambda line: None
     if run.disturbed:
         disturb(ranks.rank)
     for name in scenes:
@@ -179,7 +197,7 @@ def work(run: Run, ranks, folder: Path, scenes, large) -> None:
         if run.stop:
             keeper.wish = stop_at(folder.parent / "one" / f"{name}.nc", run.stop)
         try:
-            packed = pack(setup.scene, setup.bases, setup.draw, ranks=ranks, keeper=keeper)
+            packed = pack(setup.scene, setup.bases, setup.draw, report, ranks, keeper)
         except Interrupted:
             keeper.close()
             continue
@@ -214,13 +232,14 @@ def disturb(rank):
         neighbors.list_incident = reversed_
 
 
-def compare(folder: Path, runs: dict, scenes, large=False, say=print) -> dict:
-    """Make the runs; return {(run, scene): list of differences from the first run}. say: a function that prints."""
+def compare(folder: Path, runs: list, scenes, large=False, say=print) -> dict:
+    """Make the runs of these names; return {(run, scene): list of differences from the first one}.
+
+    say: a function that prints.
+    """
     results = {}
-    for number, (name, run) in enumerate(runs.items()):
-        launch(run, folder / name, scenes, large)
-        if run.stop:
-            launch(RUNS[run.then], folder / name, scenes, large)
+    for number, name in enumerate(runs):
+        make(name, folder / name, scenes, large)
         if number == 0:
             reference = {scene: read_packing(folder / name / f"{scene}.nc") for scene in scenes}
             continue
@@ -238,6 +257,8 @@ def main():
     parser.add_argument("--folder", type=Path)
     parser.add_argument("--work", help=argparse.SUPPRESS)
     options = parser.parse_args()
+    if options.runs == ["one"]:
+        parser.error("argument --runs: `one` is what others are compared with; name another run")
     scenes = options.scenes or list(LARGE_SCENES if options.large else SCENES)
     if options.work:
         import ast
@@ -251,7 +272,7 @@ def main():
         with ranks.together():
             work(run, ranks, options.folder, scenes, options.large)
         return 0
-    runs = {"one": RUNS["one"]} | {name: RUNS[name] for name in options.runs or RUNS}
+    runs = list(dict.fromkeys(["one", *(options.runs or RUNS)]))
     with tempfile.TemporaryDirectory() as scratch:
         results = compare(options.folder or Path(scratch), runs, scenes, options.large)
     return int(any(results.values()))

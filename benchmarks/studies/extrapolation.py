@@ -55,7 +55,8 @@ def by_distance(predicted):
     contained = np.abs(predicted.error) <= predicted.half
     widened = np.abs(predicted.error) <= predicted.half * widening(predicted.distance)
     table = predicted.assign(by_least_squares=contained, widened=widened, square=predicted.error**2)
-    classes = pd.cut(table.distance, [-1e-9, *CLASSES[1:], np.inf], labels=[f"from {low:g}" for low in CLASSES])
+    labels = ["inside", *(f"from {low:g}" for low in CLASSES)]
+    classes = pd.cut(table.distance, [-1e-9, *CLASSES, np.inf], labels=labels)
     groups = table.groupby(classes, observed=True)
     rows = groups[["by_least_squares", "widened"]].mean().assign(rms_error=np.sqrt(groups.square.mean()))
     return rows.assign(predictions=groups.size()).reset_index(names="distance")

@@ -80,8 +80,9 @@ def comparison(names=STUDIES, of_form=None) -> pd.DataFrame:
     )
     rows = []
     for name in names:
-        for _, bed in (beds := read_rows(name)).iterrows():
-            curve, reference = realised_curve(bed, name), fitted.constants[ALL_FORMS] + fitted.effect(beds)[0]
+        beds = read_rows(name)
+        for effect, (_, bed) in zip(fitted.effect(beds), beds.iterrows(), strict=True):
+            curve, reference = realised_curve(bed, name), fitted.constants[ALL_FORMS] + effect
             forms = statistics_by_class(curve, ranges(name)), evaluated_statistics(bed.to_frame().T.infer_objects())
             by_class, together = (
                 reference + of_form.predict(unified_features(form)) - base

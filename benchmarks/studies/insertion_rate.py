@@ -15,6 +15,7 @@ packed. It takes seconds.
 import numpy as np
 import pandas as pd
 
+from benchmarks.studies.scatter import CORRECTED_FROM, PRESET
 from benchmarks.studies.size_and_form_fit import describe_bases, read_rows
 from simcore.models.size_and_form.bases import RATE, fit_bases, process_logs
 from simcore.models.size_and_form.beds import ALL_FORMS, BASE, SPHERE, form_labels
@@ -46,53 +47,65 @@ def bases_as_rain():
     """Return one row per base that was packed by both processes, with the difference that the insertion makes.
 
     Columns: form, n_lattice, n_rain, difference (rain minus lattice) and its error, explained (the part that rate of
-    insertion and time of shaking explain, by the slopes of all bases on lattices) and rest.
+    insertion and time of shaking explain, by the slopes of all bases on lattices) and rest. log_<quantity>: difference
+    of the logarithm of a quantity that has such a slope.
     """
-    fitted = fit_bases(bases().assign(form=form_labels(bases())))
+    fitted = fitted_to_bases()
     tables = []
     for rows in (read_rows(LATTICE, CONFIGURATION), read_rows()):
         rows = rows[(rows["case"] == BASE) & (rows["seed"] == 1)]
         rows = rows.assign(form=form_labels(rows), effect=fitted.effect(rows))
-        tables.append(rows[["form", "n", "n_error", "effect"]])
+        tables.append(pd.concat([rows[["form", "n", "n_error", "effect"]], process_logs(rows)], axis=1))
     pairs = tables[0].merge(tables[1], on="form", suffixes=("_lattice", "_rain"))
     difference = pairs["n_rain"] - pairs["n_lattice"]
     explained = pairs["effect_rain"] - pairs["effect_lattice"]
-    return pairs[["form", "n_lattice", "n_rain"]].assign(
+    table = pairs[["form", "n_lattice", "n_rain"]].assign(
         difference=difference,
         error=np.hypot(pairs["n_error_lattice"], pairs["n_error_rain"]),
         explained=explained,
         rest=difference - explained,
     )
+    logs = {f"log_{name}": pairs[f"{name}_rain"] - pairs[f"{name}_lattice"] for name in fitted.slopes}
+    return table.assign(**logs)
+
+
+def fitted_to_bases():
+    """Return the constants and slopes of the bases on lattices."""
+    return fit_bases(bases().assign(form=form_labels(bases())))
 
 
 def elongation_coefficients(pairs):
     """Return the coefficients of 1/EL and their standard errors, DataFrame (2, columns), in fits of columns of `pairs`.
 
-    pairs: of bases_as_rain. Each column is fitted by least squares on 1/EQ and 1/EL over the single forms.
+    pairs: of bases_as_rain. The columns difference, explained and rest are fitted by least squares on 1/EQ and 1/EL
+    over the single forms. The error of the difference follows from the sampling errors, since six residuals determine
+    it poorly; that of the explained part from the errors of the slopes, which are taken as independent.
     """
-    from statsmodels.api import OLS, add_constant
-
     beds = read_rows()
     beds = beds.assign(form=form_labels(beds)).query("case == @BASE and seed == 1").set_index("form")
     pairs = pairs[~pairs["form"].isin([ALL_FORMS, SPHERE])]
-    means = beds.loc[pairs["form"], ["mu_EQ_evaluated", "mu_EL_evaluated"]]
-    design = add_constant(1.0 / means.to_numpy())
-    fits = {name: OLS(pairs[name].to_numpy(), design).fit() for name in list(pairs) if name not in ("form", "error")}
-    values = {name: [fit.params[2], fit.bse[2]] for name, fit in fits.items()}
+    means = beds.loc[pairs["form"], ["mu_EQ_evaluated", "mu_EL_evaluated"]].to_numpy()
+    # The coefficient of 1/EL is this row times the values.
+    row = np.linalg.pinv(np.column_stack([np.ones(len(means)), 1.0 / means]))[2]
+    errors = {"difference": float(np.sqrt(np.sum((row * pairs["error"]) ** 2)))}
+    of_slopes = [error * (row @ pairs[f"log_{name}"]) for name, error in fitted_to_bases().std_errors.items()]
+    errors["explained"] = float(np.sqrt(np.sum(np.square(of_slopes))))
+    errors["rest"] = float(np.hypot(errors["difference"], errors["explained"]))
+    values = {name: [float(row @ pairs[name]), error] for name, error in errors.items()}
     return pd.DataFrame(values, index=["coefficient of 1/EL", "its error"])
 
 
 def paired_beds():
     """Return one row per bed that was packed by both processes: KEY and, of each, n, n_error, rate and step.
 
-    rate: of insertion, in kg/(m² s). step: n less that of one class of the form by the same process.
+    rate: of insertion, in kg/(m² s). step: n less that of one class of the form by the same process, nan without one.
     """
     tables = {}
     for name, rows in (("lattice", read_rows(LATTICE, CONFIGURATION)), ("rain", read_rows())):
         rows = rows.assign(form=form_labels(rows), rate=np.exp(process_logs(rows)[RATE]))
         tables[name] = rows[[*KEY, "n", "n_error", "rate"]]
     pairs = tables["lattice"].merge(tables["rain"], on=KEY, suffixes=("_lattice", "_rain"))
-    bases = pairs[pairs["case"] == BASE].set_index("form")
+    bases = pairs[pairs["case"] == BASE].groupby("form").mean(numeric_only=True)
     steps = {name: pairs[f"n_{name}"] - pairs["form"].map(bases[f"n_{name}"]) for name in tables}
     return pairs.assign(**{f"step_{name}": step for name, step in steps.items()})
 
@@ -116,9 +129,14 @@ def measured_steps():
 
 
 def _means_over_seeds(rows):
-    """Return mean porosity n of the beds of each case and its standard error n_error, from their sampling errors."""
-    beds = rows.groupby("case")
-    error = np.sqrt(beds["n_error"].agg(lambda errors: np.square(errors).sum())) / beds.size()
+    """Return mean porosity n of the beds of each case and its standard error n_error.
+
+    It is the root mean square of their sampling errors over the root of their number. Seeds whose errors are known to
+    be too large are left out of this mean square.
+    """
+    first = rows["case"].map(lambda case: CORRECTED_FROM.get(f"{case}{PRESET}", 0))
+    beds, right = rows.groupby("case"), rows[rows["seed"] >= first].groupby("case")
+    error = np.sqrt(right["n_error"].agg(lambda errors: np.square(errors).mean()) / beds.size())
     return pd.DataFrame({"n": beds["n"].mean(), "n_error": error})
 
 
@@ -128,13 +146,14 @@ def form_slopes(pairs):
     slope: of the porosity of beds of the curve against that of one class of the same forms, by the same process.
     """
     rows = []
-    for case, beds in pairs[pairs["case"] != BASE].groupby("case"):
-        if len(beds) >= FEWEST_FORMS:
+    for case, beds in pairs[pairs["case"] != BASE].dropna().groupby("case"):
+        forms = beds["form"].nunique()
+        if forms >= FEWEST_FORMS:
             slopes = {
                 f"slope_{name}": np.polyfit(beds[f"n_{name}"] - beds[f"step_{name}"], beds[f"n_{name}"], 1)[0]
                 for name in ("lattice", "rain")
             }
-            rows.append({"case": case, "forms": len(beds)} | slopes)
+            rows.append({"case": case, "forms": forms} | slopes)
     return pd.DataFrame(rows, columns=["case", "forms", "slope_lattice", "slope_rain"])
 
 

@@ -58,7 +58,7 @@ def explained(pairs, rows):
     """
     judged = pd.DataFrame(JUDGED, columns=[MU_FL, MU_EL]).assign(**{SIGMA_FL: DEVIATION, SIGMA_EL: DEVIATION})
     of_sets = rows.merge(judged, on=SETS).query("seed == 1")
-    changes = pairs.merge(judged, on=SETS)
+    changes = pairs.merge(of_sets[[*SETS, "seed"]], on=[*SETS, "seed"])
     total = of_sets["difference"].sum()
     return -changes["change"].sum() / total, np.sqrt(np.square(changes["change_error"]).sum()) / total
 
@@ -70,8 +70,9 @@ def divided(rows, misfit, grains, wide):
     wide: rows of GRAINS and of WIDE. A part is nan if a packing of it is missing.
     """
     rows = rows.assign(misfit=misfit)[rows["seed"] == 1].set_index(SETS)
-    of_source = {source: part.set_index(SETS)["n"] for source, part in grains.groupby("source")}
-    wide = {source: part.set_index(SETS)["n"] for source, part in wide.groupby("source")}
+    of_source, wide = (
+        {source: part.groupby(SETS)["n"].mean() for source, part in table.groupby("source")} for table in (grains, wide)
+    )
     sets = grains.set_index(SETS).index.unique()
     rows = rows.loc[sets]
     ours, scans, theirs, spacious = (
@@ -125,7 +126,8 @@ def print_parts(rows) -> None:
 def main() -> None:
     """Print the tables and the share."""
     rows = campaign()
-    means = rows.groupby(["space", MU_FL, MU_EL, SIGMA_EL])["difference"].mean().unstack()
+    of_sets = rows.groupby(["space", *SETS])["difference"].mean()
+    means = of_sets.groupby(["space", MU_FL, MU_EL, SIGMA_EL]).mean().unstack()
     print("Porosity minus that by Rettinger et al., by the standard deviation of EL and by FL/EL")
     print(means.to_string(float_format="%+.4f"))
     print_parts(rows)

@@ -9,6 +9,7 @@ small beds with a distribution of form), and applies the rules that config/wide.
 sieve curve and draw: the number of seeds, the mean porosity, the standard deviation over the seeds with its 95 %
 confidence limits, the root mean square of the stated errors, chi-squared of the scatter over the stated errors with its
 95 % limits, and the ratio of the variances by quota and by random draw with the lower 5 % limit of the F distribution.
+The last line has this ratio over all sieve curves that were packed by both draws.
 
 With --draws it draws the grains of these packings instead, without packing them. It prints how the share of the mass in
 the coarsest class scatters over the seeds. It also prints how the porosity scatters that the model of size and form
@@ -21,7 +22,8 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import yaml
-from scipy.stats import chi2, f
+from scipy.special import polygamma
+from scipy.stats import chi2, f, norm
 
 from simcore.campaign.studies import expand, merge
 from simcore.grains.sieve import class_fractions
@@ -36,10 +38,11 @@ from simcore.scene.specification import resolve
 CONFIDENCE = 0.95
 BETTER = 0.05  # a ratio of variances below this quantile of the F distribution is less scatter
 DRAWS = ("random", "quota")
+PRESET = ", preset wide"
 # Added to the name of the sieve curve: study of each draw.
 STUDIES = {
     "": {"random": "wide_random", "quota": "wide_quota"},
-    ", preset wide": {"random": "wide_both_random", "quota": "wide_both"},
+    PRESET: {"random": "wide_both_random", "quota": "wide_both"},
 }
 SPHERES = "wide_spheres.csv"  # contains both draws
 FORMS = "scatter_forms.csv"
@@ -49,7 +52,7 @@ FORM = [f"{kind}_{X}_nominal" for X in ("FL", "EL") for kind in ("mu", "sigma")]
 SETS = {f"U1{OF_FORMS}": FORM}
 # First seed whose stated error was evaluated after the last correction of simcore.evaluation.sampling_error. The
 # errors of all other polyhedra are older, except those of scatter_forms.csv.
-CORRECTED_FROM = {"B50, preset wide": 4}
+CORRECTED_FROM = {f"B50{PRESET}": 4}
 
 
 def scatter(rows: pd.DataFrame, corrected_from=None, sets=()) -> dict:
@@ -72,6 +75,7 @@ def scatter(rows: pd.DataFrame, corrected_from=None, sets=()) -> dict:
     variance = squares.sum() / freedom
     return {
         "seeds": len(rows),
+        "freedom": freedom,
         "n": rows["n"].mean(),
         "std": np.sqrt(variance),
         "std_lower": np.sqrt(variance * freedom / high),
@@ -116,8 +120,21 @@ def scatter_table(tables: dict) -> pd.DataFrame:
             of = {row.draw: row for row in group.itertuples()}
             quota = (table["case"] == case) & (table["draw"] == "quota")
             table.loc[quota, "variance_ratio"] = variance[of["quota"].Index] / variance[of["random"].Index]
-            table.loc[quota, "limit"] = f.ppf(BETTER, of["quota"].seeds - 1, of["random"].seeds - 1)
+            table.loc[quota, "limit"] = f.ppf(BETTER, of["quota"].freedom, of["random"].freedom)
     return table
+
+
+def pooled_ratio(table: pd.DataFrame) -> tuple:
+    """Return the ratio of the variances by quota and by random draw over all sieve curves, and its confidence limits.
+
+    table: of scatter_table. It is the mean of the logarithms, weighted by their variances for normal porosities.
+    """
+    ratios = table.dropna(subset="variance_ratio")
+    random = table[table["draw"] == "random"].set_index("case")["freedom"]
+    variances = polygamma(1, ratios["freedom"] / 2) + polygamma(1, ratios["case"].map(random) / 2)
+    mean = np.average(np.log(ratios["variance_ratio"]), weights=1.0 / variances)
+    half = norm.ppf(0.5 * (1 + CONFIDENCE)) / np.sqrt(np.sum(1.0 / variances))
+    return tuple(np.exp([mean, mean - half, mean + half]))
 
 
 def drawn_sizes(packings: list[tuple[dict, list]]) -> pd.DataFrame:
@@ -162,7 +179,7 @@ def coarsest_classes(drawn: pd.DataFrame, packed=()) -> pd.DataFrame:
 def packed_seeds(tables: dict) -> set:
     """Return (case, draw, seed) of the packings of polyhedra in the tables of read_tables."""
     return {
-        (case.removesuffix(", preset wide"), draw, seed)
+        (case.removesuffix(PRESET), draw, seed)
         for draw, table in tables.items()
         for case, seed in table[["case", "seed"]].itertuples(index=False)
     }
@@ -196,9 +213,13 @@ def main(arguments=None) -> None:
     if parser.parse_args(arguments).draws:
         packings = planned([study for studies in STUDIES.values() for study in studies.values()])
         table = coarsest_classes(drawn_sizes(packings), packed_seeds(read_tables()))
-    else:
-        table = scatter_table(read_tables())
-    print(table.to_string(index=False, float_format="%.4f", na_rep=""))
+        print(table.to_string(index=False, float_format="%.4f", na_rep=""))
+        return
+    table = scatter_table(read_tables())
+    print(table.drop(columns="freedom").to_string(index=False, float_format="%.4f", na_rep=""))
+    if "variance_ratio" in table:
+        ratio, low, high = pooled_ratio(table)
+        print(f"variance by quota over that by random draws, all sieve curves: {ratio:.2f} ({low:.2f} to {high:.2f})")
 
 
 if __name__ == "__main__":

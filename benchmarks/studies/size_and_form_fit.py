@@ -113,13 +113,20 @@ def beds_table(beds, comparison):
 
 
 def describe_bases(bases) -> str:
-    """Return one line with the effect of the process on the one-class porosity; bases: rows as of read_rows."""
+    """Return one line with the effect of the process on the one-class porosity; bases: rows as of read_rows.
+
+    The standard deviation of the residuals has as many degrees of freedom as there are bases beyond the coefficients.
+    """
     fitted = fit_bases(bases.assign(form=form_labels(bases)), PROCESS)
     slopes = [f"{name} {slope:+.4f} ± {fitted.std_errors[name]:.4f}" for name, slope in fitted.slopes.items()]
     forms = form_labels(bases)
     residuals = bases["n"] - forms.map(fitted.constants) - fitted.effect(bases)
-    rms = np.sqrt(np.mean(residuals**2))
-    return f"{len(bases)} bases, change of porosity per factor e: {', '.join(slopes) or 'none'}; rms residual {rms:.4f}"
+    freedom = len(bases) - len(fitted.constants) - len(fitted.slopes)
+    scatter = f"{np.sqrt(np.sum(residuals**2) / freedom):.4f}" if freedom > 0 else "not known"
+    return (
+        f"{len(bases)} bases, change of porosity per factor e: {', '.join(slopes) or 'none'}; "
+        f"standard deviation of the residuals {scatter}"
+    )
 
 
 def compare_all(rows):
@@ -192,8 +199,12 @@ def describe_spheres(rows) -> list[str]:
         fit = fit_candidate(name, beds, 0.0, fixed={"kappa": 0.0})
         errors = fit.std_errors()
         values = ", ".join(f"{key} = {value:.3f} ± {errors[key]:.3f}" for key, value in fit.parameters.items())
-        rms = np.sqrt(np.mean((fit.predicted - beds.n) ** 2))
-        lines.append(f"spheres, candidate {name}: {values}; rms residual {rms:.4f} over {len(beds.n)} beds")
+        freedom = len(beds.n) - len(errors)
+        scatter = np.sqrt(np.sum((fit.predicted - beds.n) ** 2) / freedom)
+        lines.append(
+            f"spheres, candidate {name}: {values}; standard deviation of the residuals {scatter:.4f} over "
+            f"{len(beds.n)} beds"
+        )
     return lines
 
 

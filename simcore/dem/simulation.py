@@ -3,10 +3,10 @@
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from simcore.compilation import thread_limit
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.energy import mechanical_energy, spring_energy
 from simcore.dem.forces.spring_dashpot import contact_law
@@ -146,7 +146,7 @@ class Simulation:
             features=self._features,
         )
         self._table = collect_shapes(bases)
-        self._workspace = make_workspace(self._table, numba.config.NUMBA_NUM_THREADS)
+        self._workspace = make_workspace(self._table, thread_limit())
         self._clock = np.zeros(len(STAGES), np.int64)
         self._advance = make_advance(self._features)
         self._candidates = None

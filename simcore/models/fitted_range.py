@@ -5,13 +5,15 @@ published ranges of the statistics of FL and EL, and the features that follow fr
 how far its value lies outside, in widths of the quantity's range, for the quantity where this is largest:
 
     d = 0               inside
-    0 < d <= NEAR       just outside: the interval by least squares grows with leverage, and its coverage is as inside
+    0 < d <= NEAR       just outside: the interval is that by least squares, which grows with leverage
     NEAR < d <= FAR     the half-width of the interval is also multiplied by 1 + WIDENING (d - NEAR)
     d > FAR             the model is not evaluated
 
 Farther outside, the interval by least squares alone would contain too few new packings, because the true porosity is
-not linear; `python -m benchmarks.studies.extrapolation` measures how many. The limit FAR also excludes samples of
-nearly equal grains from models that contain 1/sigma, because their 1/sigma is far above its range.
+not linear. `python -m benchmarks.studies.extrapolation` measures how many, with fits that do not know the packings at
+the ends of a range: intervals of 95 % contain 86 to 90 % of the packings just outside, and 83 to 90 % of those inside.
+The limit FAR also excludes samples of nearly equal grains from models that contain 1/sigma, because their 1/sigma is
+far above its range.
 """
 
 from typing import NamedTuple

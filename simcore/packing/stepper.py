@@ -3,8 +3,8 @@
 import time
 
 import numpy as np
-from numba import config
 
+from simcore.compilation import thread_limit
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.from_scene import compose
 from simcore.dem.shapes.polyhedra import collect_shapes
@@ -26,7 +26,7 @@ class Stepper:
         self.law = composition.law
         self.features = composition.features._replace(**changes)
         self.advance_steps = make_advance(self.features)
-        self.workspace = make_workspace(self.shapes, config.NUMBA_NUM_THREADS)
+        self.workspace = make_workspace(self.shapes, thread_limit())
         self.clock = np.zeros(len(STAGES), np.int64)
         self.seconds = dict.fromkeys(("neighbour search", *STAGES), 0.0)
 

@@ -4,7 +4,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.studies.insertion_rate import bases_table, form_slopes, measured_steps, paired_beds
+from benchmarks.studies.insertion_rate import (
+    bases_as_rain,
+    bases_table,
+    elongation_coefficients,
+    form_slopes,
+    measured_steps,
+    paired_beds,
+)
 from simcore.paths import REFERENCE
 from simcore.reference.r22_tables import read_r22_table
 
@@ -52,3 +59,27 @@ def test_slopes_of_form_are_those_of_a_line_through_the_forms():
     row = form_slopes(pd.concat([beds, beds.iloc[:2].assign(case="U3")])).set_index("case")
     assert row.index.tolist() == ["U5"]
     assert row.loc["U5", ["slope_lattice", "slope_rain"]].tolist() == pytest.approx([0.5, 0.9])
+
+
+def test_forms_with_two_seeds_count_once_and_beds_without_a_base_do_not():
+    one_class = np.array([0.32, 0.35, 0.38, 0.33])
+    beds = pd.DataFrame({"case": "U5", "form": ["a", "b", "c", "a"], "n_lattice": 0.1 + 0.5 * one_class})
+    beds = beds.assign(n_rain=beds["n_lattice"], step_lattice=beds["n_lattice"] - one_class)
+    beds = beds.assign(step_rain=beds["step_lattice"])
+    without_base = beds.iloc[:1].assign(form="d", step_lattice=np.nan)
+    (row,) = form_slopes(pd.concat([beds, without_base])).itertuples()
+    assert row.forms == 3 and row.slope_lattice == pytest.approx(0.5)
+    assert form_slopes(beds.iloc[[0, 1, 3]]).empty
+
+
+def test_errors_of_coefficients_follow_from_the_sampling_errors():
+    pairs = bases_as_rain()
+    parts = elongation_coefficients(pairs).loc["its error"]
+    # The fit is linear: a change of one difference by its error changes the coefficient by its share of the error.
+    shares = [
+        elongation_coefficients(pairs.assign(difference=pairs["error"].where(pairs["form"] == form, 0.0)))
+        for form in pairs["form"]
+    ]
+    error = np.sqrt(sum(share.loc["coefficient of 1/EL", "difference"] ** 2 for share in shares))
+    assert parts["difference"] == pytest.approx(error)
+    assert parts["rest"] == pytest.approx(np.hypot(parts["difference"], parts["explained"]))

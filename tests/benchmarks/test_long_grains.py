@@ -29,13 +29,18 @@ def made(changes):
     sets = pd.DataFrame([(FL, EL, 0.2, 0.2) for FL, EL in JUDGED], columns=SETS)
     rows = sets.assign(seed=1, difference=0.04)
     other = rows.iloc[:1].assign(**{SETS[2]: 0.1, SETS[3]: 0.1, "difference": 0.5})
-    pairs = sets.assign(change=changes, change_error=0.004)
+    pairs = sets.assign(seed=1, change=changes, change_error=0.004)
     return pairs[pairs["change"] != 0], pd.concat([rows, other, rows.assign(seed=2)])
 
 
 def test_the_share_is_that_of_all_judged_sets_also_of_those_that_are_not_stretched():
     share, error = explained(*made([-0.03, -0.02, 0.0, -0.014]))
     assert share == pytest.approx(0.064 / 0.16) and error == pytest.approx(np.sqrt(3) * 0.004 / 0.16)
+
+
+def test_further_seeds_do_not_count_in_the_share():
+    pairs, rows = made([-0.03, -0.02, 0.0, -0.014])
+    assert explained(pd.concat([pairs, pairs.assign(seed=2)]), rows) == explained(pairs, rows)
 
 
 def test_the_campaign_has_every_judged_set_and_is_compared_with_the_published_model():

@@ -6,8 +6,10 @@ import pytest
 from scipy.stats import chi2, f
 
 from benchmarks.studies.scatter import (
+    FORM,
     coarsest_classes,
     packed_seeds,
+    pooled_ratio,
     read_tables,
     scatter,
     scatter_table,
@@ -121,3 +123,31 @@ def test_packings_of_the_same_grains_in_two_studies_are_drawn_once():
         packing("U5", "quota", 2),
     ]
     assert with_different_grains([*first, packing("U5", "quota", 1, faces=100)]) == first
+
+
+def test_the_ratio_over_all_curves_is_their_weighted_geometric_mean():
+    rng = np.random.default_rng(6)
+    ratios = []
+    for _ in range(200):
+        tables = {
+            draw: pd.concat(
+                pd.DataFrame({"case": case, "seed": range(8), "n": 0.3 + std * rng.standard_normal(8), "n_error": 0.01})
+                for case in "ab"
+            )
+            for draw, std in (("random", 0.01), ("quota", 0.005))
+        }
+        ratios.append(pooled_ratio(scatter_table(tables)))
+    ratio, low, high = np.array(ratios).T
+    assert np.exp(np.log(ratio).mean()) == pytest.approx(0.25, rel=0.1)
+    inside = np.mean((low < 0.25) & (high > 0.25))  # of 200, standard error 0.015
+    assert inside == pytest.approx(0.95, abs=0.05)
+
+
+def test_the_limit_of_the_ratio_has_the_degrees_of_freedom_of_the_sets():
+    rows = pd.DataFrame(
+        {"case": "U1, distributions of form", "n": [0.3, 0.31] * 4, "n_error": 0.01, "seed": [1, 2] * 4}
+    )
+    rows = rows.assign(**{name: np.repeat(range(4), 2) for name in FORM})
+    table = scatter_table({"random": rows, "quota": rows})
+    assert table["freedom"].tolist() == [4, 4]
+    assert table["limit"].dropna().item() == pytest.approx(0.157, abs=5e-4)

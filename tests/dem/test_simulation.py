@@ -172,6 +172,14 @@ def test_more_threads_than_at_its_start_have_working_memory(monkeypatch):
     assert simulation._workspace.mark.shape[0] == 3
 
 
+def test_threads_have_working_memory_if_their_number_is_changed_after_numba_is_imported(monkeypatch):
+    """numba then launches the former number, and would write beyond the memory of the new one."""
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 1)
+    monkeypatch.setattr(numba, "get_num_threads", lambda: 3)
+    simulation = simcore.Simulation([TETRAHEDRON], [0], [[0.0, 0.0, 0.1]])
+    assert simulation._workspace.mark.shape[0] == 3
+
+
 def test_advance_takes_a_duration_or_steps():
     two = collision()
     two.advance(0.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.studies.base_forms import compare_beds, rain_bases, rain_model
+from benchmarks.studies.base_forms import compare_beds, compare_coefficients, rain_bases, rain_model
 from benchmarks.studies.insertion_rate import (
     CONFIGURATION,
     LATTICE,
@@ -16,7 +16,7 @@ from benchmarks.studies.insertion_rate import (
     measured_steps,
     paired_beds,
 )
-from benchmarks.studies.scatter import read_tables, scatter_table
+from benchmarks.studies.scatter import pooled_ratio, read_tables, scatter_table
 from benchmarks.studies.size_and_form_fit import read_rows
 from benchmarks.studies.wide_cost import compare_means, compare_r22, paired
 from simcore.evaluation.confidence import student_quantile
@@ -218,14 +218,40 @@ def test_beds_that_a_rain_makes_denser_and_looser_than_the_model_of_lattices():
     assert f"differ by up to {max(most, least)}:" in findings and f"long grains are denser by up to {most}." in findings
 
 
+def test_coefficients_of_rain_and_lattices():
+    """Three pages have them."""
+    table = compare_coefficients(rain_model(), fit_reference_models().models["unified", "U1"])
+    plan = (ROOT / "docs" / "appendices" / "size_and_form_plan.md").read_text(encoding="utf-8")
+    names = {"1/µ_EQ": ("mu_EQ_inv", 4), "1/µ_EL": ("mu_EL_inv", 4)}
+    names |= {"(σ_EL/µ_EL)²": ("relative_variance_EL", 2), "(σ_EQ/µ_EQ)²": ("relative_variance_EQ", 2)}
+    for label, (term, places) in names.items():
+        row, of_lattices = table.loc[term], max(places, 3)
+        expected = (
+            f"| {label} | {row.coefficient_lattice:.{of_lattices}f} ± {row.std_error_lattice:.{of_lattices}f} | "
+            f"{row.coefficient_rain:.{places}f} ± {row.std_error_rain:.{places}f} | "
+            f"{row.difference:+.{places}f} ± {row.error:.{places}f} |"
+        )
+        assert expected.replace("-", "−") in plan
+    ratios = table["ratio"].abs()
+    words = " ".join(plan.split())
+    assert f"by {ratios['mu_EL_inv']:.1f} standard errors, and by {ratios['mu_EQ_inv']:.1f} in equancy" in words
+    row = table.loc["mu_EL_inv"]
+    lattices = f"{row.coefficient_lattice:.4f} ± {row.std_error_lattice:.4f} for 1/µ_EL"
+    assert lattices in PAGE and f"{row.coefficient_rain:.4f} ± {row.std_error_rain:.4f}:".replace("-", "−") in PAGE
+    findings = (ROOT / "docs" / "reference" / "findings.md").read_text(encoding="utf-8")
+    of_both = f"{row.coefficient_lattice:.3f} ± {row.std_error_lattice:.3f}; {row.coefficient_rain:.3f}"
+    assert f"{of_both} ± {row.std_error_rain:.3f} |".replace("-", "−") in findings
+
+
 def test_rate_explains_most_of_what_elongation_does_on_lattices():
     words, pairs = " ".join(PAGE.split()), bases_as_rain()
     table = elongation_coefficients(pairs)
     value, error = table.loc["coefficient of 1/EL"], table.loc["its error"]
     difference = f"{value.difference:.3f} ± {error.difference:.3f}".replace("-", "−")
     assert f"the coefficients of 1/EL differ by {difference}" in words
-    assert f"time of shaking explain {value.explained:.3f} of it, and ".replace("-", "−") in words
-    assert f"and {value.rest:.3f} ± {error.rest:.4f} remains for the way".replace("-", "−") in words
+    explained, rest = (f"{value[part]:.3f} ± {error[part]:.3f}".replace("-", "−") for part in ("explained", "rest"))
+    assert f"time of shaking explain {explained} of it. The rest of {rest} may be chance" in words
+    assert abs(value.rest) < 2 * error.rest
     rates = bases_table().query("case == 'U1' and spacing.isna() and time_s < 4").set_index("form")["rate"]
     assert f"from {rates['G59']:.0f} kg/(m² s) for G59 to {rates['G08']:.0f} for G08" in words
     single = [name for name in rates.index if name.startswith("G")]
@@ -273,14 +299,11 @@ def test_walls_change_the_differences_between_curves():
 
 
 def test_variance_by_quota_over_all_sets_and_the_independent_seeds():
-    table = scatter_table(read_tables()).dropna(subset="variance_ratio")
-    freedom = table["seeds"] - 1
-    weight = freedom / 4  # the variance of the logarithm of a ratio is about 2/ν + 2/ν
-    mean, error = np.average(np.log(table["variance_ratio"]), weights=weight), 1 / np.sqrt(weight.sum())
-    ratio, low, high = np.exp([mean, mean - 1.96 * error, mean + 1.96 * error])
+    table = scatter_table(read_tables())
+    ratio, low, high = pooled_ratio(table)
     words = " ".join(PAGE.split())
-    assert len(table) == 3 and f"the ratio is {ratio:.2f} ({low:.2f} to {high:.2f})" in words
-    assert f"{1 / high:.0f} {1 / low:.0f}" == "2 9" and "worth two to nine by random draws" in words
+    assert table["variance_ratio"].notna().sum() == 3 and f"the ratio is {ratio:.2f} ({low:.2f} to {high:.2f})" in words
+    assert f"{1 / high:.0f} {1 / low:.0f}" == "2 10" and "worth two to ten by random draws" in words
     later = COST.query("case == 'B50' and seed >= 5").groupby("settings")
     chi2 = {name: (rows.n.var() * (len(rows) - 1)) / (rows.n_error**2).mean() for name, rows in later}
     assert f"{chi2['wide_both_random']:.1f} at random and {chi2['wide_both']:.1f} by quota" in words

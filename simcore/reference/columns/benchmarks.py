@@ -95,7 +95,7 @@ STABILITY = (
     Column("x", _OF_AXIS, "second setting of the map; a contact time is in s, the speed of an impact in m/s"),
     Column("y", _OF_AXIS, "time steps per contact time, or contact time in s"),
     Column("outcome", "", "stable, vibrating, soft, refused, stopped or wrong (benchmarks/studies/stability.py)"),
-    Column("overlap", "", "largest overlap over the diameter of the smaller grain"),
+    Column("overlap", "", "largest overlap over the thickness of the thinner grain"),
     Column("cpu_s", "s", "CPU time of the scene"),
     Column("message", "", "error of a scene that was refused or stopped, or what is not right in one that ended"),
 )

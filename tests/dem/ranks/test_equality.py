@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.correctness.equality import DISTURBED, RUNS, SCENES, launch
+from benchmarks.correctness.equality import DISTURBED, RUNS, SCENES, launch, make
 from simcore.packing.file import differences, read_packing
 
 # Every scene is packed on two ranks in rows, on three or four ranks, and is stopped and resumed on another number. The
@@ -46,10 +46,7 @@ def test_the_scenes_have_all_there_is_to_get_wrong(folder):
 @pytest.mark.parametrize("name", [name for name in RUNS if name not in ("one", "ranks_4_columns")])
 def test_the_same_bits(folder, name):
     scenes = FEWER.get(name, SCENES)
-    launch(RUNS[name], folder / name, scenes, timeout=TIMEOUT)
-    if RUNS[name].stop:
-        assert not list((folder / name).glob("*.nc"))  # it was stopped
-        launch(RUNS[RUNS[name].then], folder / name, scenes, timeout=TIMEOUT)
+    make(name, folder / name, scenes, timeout=TIMEOUT)
     first, second = packings(folder, "one"), packings(folder, name, scenes)
     assert {scene: differences(first[scene], second[scene]) for scene in scenes} == {scene: [] for scene in scenes}
 
