@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 OUTCOMES = {
     "stable": ("#f4efe2", "", "stable and correct"),
     "vibrating": ("#e2d3ae", "v", "at rest on average, but forces alternate from step to step"),
-    "soft": ("#c9b46c", "~", "correct, but grains overlap by more than a twentieth of the smaller one"),
+    "soft": ("#c9b46c", "~", "correct, but grains overlap by more than a twentieth of the thinner one"),
     "refused": ("#7f9aa2", "r", "refused before the run"),
     "stopped": ("#56757f", "s", "stopped with an error"),
     "wrong": ("#7a1f12", "W", "silently wrong"),
