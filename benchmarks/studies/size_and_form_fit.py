@@ -63,10 +63,10 @@ def read_rows(study=STUDY, configuration=CONFIGURATION):
         if rows.empty:
             raise ValueError(f"{path} has no bed of {study} yet; pack it")
     fixed = yaml.safe_load(configuration.read_text(encoding="utf-8"))["studies"][study]["fixes"]
-    # Any curve, amount and width where the rows have them: they have no effect on what is read here.
+    # Any curve, form, amount and width where the rows have them: they have no effect on what is read here.
     sizes, amount = {"case": BASE} | fixed.get("sizes", {}), {"mass": "1 kg"} | fixed.get("amount", {})
     domain = {"width": "63 mm"} | fixed["domain"]
-    settings = resolve(fixed | {"sizes": sizes, "amount": amount, "domain": domain}, "packing")
+    settings = resolve(fixed | {"sizes": sizes, "shapes": {}, "amount": amount, "domain": domain}, "packing")
     shaking = pd.Series(np.nan, rows.index) if "shaking_s" not in rows else rows["shaking_s"]
     rows["after_s"] = shaking.fillna(settings["shaking"]["duration"])
     gravity = Material(**settings["material"]).effective_gravity

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
+from benchmarks.studies.mixtures_wide import is_rhine, specified_statistics
 from docs.generate.markdown import table
 from simcore.campaign.deposit_findings import findings
 from simcore.campaign.deposits import curve, read_deposits
@@ -266,8 +267,15 @@ def _mixtures():
 
 
 def _mixtures_U7():
-    packed = _rows("form_mixture").query("case == 'U7'")
-    return f"{len(packed)} of 52 sets", "not packed yet" if packed.empty else "see the table"
+    rows = _rows("mixtures_wide")
+    sets = rows[~is_rhine(rows)]
+    if sets.empty:
+        return "0 of 52 sets", "not packed yet"
+    model = read_r22_models()["form_mixture", "U7"]
+    apart = sets["n"] - model.porosity(1.0 / specified_statistics(sets).add_suffix("_inv"))
+    texts = [_signed(apart.mean()) + (f" ± {apart.sem():.4f}" if len(sets) > 1 else "")]
+    texts += [f"at most {_signed(apart[apart.abs().idxmax()])}"] if len(sets) > 1 else []
+    return f"{len(sets)} of 52 sets, inserted as a rain", f"packings minus their model: {', '.join(texts)}"
 
 
 def _number_of_features(sets):
@@ -295,14 +303,20 @@ def _prediction_of_mixtures():
 def _application():
     rows = _rows("application").query("case == 'U1'")
     theirs = read_r22_table("table11_application").set_index("case").loc["U1"]
-    texts = []
+    texts, rain = [], _rows("mixtures_wide")
+    rain = rain[is_rhine(rain)]
     for choice, name, words in (
         ("form_distribution", "continuous", "forms drawn from a distribution"),
         ("random", "discrete", "grains drawn one by one"),
     ):
         n = rows[rows["choice"] == choice]["n"]
         texts.append(f"{words} {_apart(n.mean() - theirs[f'{name}_simulated'], np.hypot(n.sem(), ROUNDING))}")
-    return f"U1, {len(rows)} packings; U7 is not packed", "; ".join(texts)
+    if rain.empty:
+        return f"U1, {len(rows)} packings; U7 is not packed", "; ".join(texts)
+    theirs = read_r22_table("table11_application").set_index("case").loc["U7", "continuous_simulated"]
+    error = float(np.hypot(_error_of_mean(rain["n_error"]), ROUNDING))
+    texts.append(f"U7, forms drawn from a distribution, as a rain {_apart(rain['n'].mean() - theirs, error)}")
+    return f"U1, {len(rows)} packings; U7, {len(rain)}", "; ".join(texts)
 
 
 @functools.cache

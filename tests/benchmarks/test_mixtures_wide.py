@@ -4,8 +4,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.studies.base_forms import SETS
-from benchmarks.studies.mixtures_wide import PROCESSES, RHINE, comparison, judgement, slopes
+from benchmarks.studies.mixtures_wide import (
+    PROCESSES,
+    RHINE,
+    SETS,
+    comparison,
+    is_rhine,
+    judgement,
+    slopes,
+    specified_statistics,
+)
 from benchmarks.studies.size_and_form_fit import STUDY, read_rows
 from simcore.models.size_and_form.sized_model import current_model
 from simcore.scene.sizes import all_cases
@@ -22,6 +30,16 @@ def made_table(errors, sets):
     """Return a table as from `comparison`, of beds whose predictions err by `errors`."""
     table = pd.DataFrame(sets, columns=SETS).assign(seed=1, n=0.3, n_error=0.003)
     return table.assign(**{process: 0.3 + np.array(errors) for process in PROCESSES})
+
+
+def test_statistics_are_those_of_the_columns():
+    """The Rhine's are the means of Table 2 of Rettinger et al., and EQ is the product of FL and EL."""
+    columns = {"mu_FL_nominal": 0.647, "mu_EL_nominal": 0.682, "sigma_FL_nominal": 0.175, "sigma_EL_nominal": 0.139}
+    rows = pd.DataFrame([columns, columns | {"mu_FL_nominal": 0.5}])
+    assert is_rhine(rows).tolist() == [True, False]
+    statistics = specified_statistics(rows).iloc[0]
+    assert statistics["mu_EQ"] == pytest.approx(0.647 * 0.682) and statistics["mu_EL"] == 0.682
+    assert statistics["sigma_EL"] == 0.139 and 0.14 < statistics["sigma_EQ"] < 0.16
 
 
 def test_flatter_and_longer_grains_are_predicted_looser():
