@@ -111,9 +111,10 @@ def test_numbers_follow_from_the_rows():
     rows = pd.read_csv(REFERENCE / "application.csv")
     n = rows[rows["choice"] == "random"]["n"]
     difference, error = n.mean() - 0.353, np.hypot(n.sem(), 5e-4 / np.sqrt(3))
-    assert papers.COMPARED["application"]()[1].endswith(
-        f"+{difference:.4f} ± {error:.4f} ({difference / error:.1f} standard errors)"
-    )
+    size, texts = papers.COMPARED["application"]()
+    assert f"+{difference:.4f} ± {error:.4f} ({difference / error:.1f} standard errors)" in texts
+    rain = pd.read_csv(REFERENCE / "mixtures_wide.csv").query("mu_FL_nominal == 0.647")
+    assert f"as a rain +{rain['n'].mean() - 0.288:.4f} ± " in texts and size.endswith(f"U7, {len(rain)}")
     forms = pd.read_csv(REFERENCE / "single_form.csv").query("case == 'U7'")["grain"].nunique()
     assert papers.COMPARED["single_U7"]()[0].startswith(f"{forms} of 63 forms")
 
@@ -150,3 +151,17 @@ def test_a_study_is_compared_with_its_table_case_by_case(monkeypatch, tmp_path):
     assert size == "3 of 8 packings"
     assert difference == "U7 −0.010 to +0.020 (up to 2.0 standard errors)"
     assert papers._study("domain_size") == ("0 of 4 packings", "not packed yet")
+
+
+def test_sets_in_U7_are_compared_with_their_model(monkeypatch):
+    """Its equation is n = 0.239 + 0.024 / mean EQ - 0.003 / std EQ + 0.002 / mean EL + 0.001 / std EL."""
+    table = pd.read_csv(REFERENCE / "mixtures_wide.csv")
+    assert (table["mu_FL_nominal"] == 0.647).all() and papers.COMPARED["mixtures_U7"]()[1] == "not packed yet"
+    columns = ["mu_FL_nominal", "mu_EL_nominal", "sigma_FL_nominal", "sigma_EL_nominal"]
+    table = pd.concat([table, table.iloc[:1].assign(**dict(zip(columns, (0.5, 0.7, 0.1, 0.1), strict=True)), n=0.32)])
+    monkeypatch.setattr(papers, "_rows", lambda name: table)
+    mu, sigma = 0.35, np.sqrt((0.49 + 0.01) * (0.25 + 0.01) - 0.35**2)
+    theirs = 0.239 + 0.024 / mu - 0.003 / sigma + 0.002 / 0.7 + 0.001 / 0.1
+    size, text = papers.COMPARED["mixtures_U7"]()
+    assert size == "1 of 52 sets, inserted as a rain"
+    assert text == f"packings minus their model: {0.32 - theirs:+.4f}"

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from benchmarks.studies.mixtures_wide import comparison, is_rhine, judgement
 from benchmarks.studies.size_and_form_fit import describe_halves, read_rows
 from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS, OURS, R22
 from benchmarks.studies.sorted_sands import TABLE as SANDS
@@ -201,3 +202,28 @@ def test_the_packed_beds_have_the_stated_friction_and_shaking():
 
 def curve_of(bed):
     return all_cases()[bed.split()[0]].curve
+
+
+def test_beds_of_U7_with_a_distribution_of_form():
+    table = comparison()
+    rhine = table[is_rhine(table)]
+    packed = " and ".join(f"{row.n:.3f} ± {row.n_error:.3f}" for row in rhine.itertuples())
+    number = {1: "one", 2: "two", 3: "three", 4: "four"}[len(table)]
+    rule = judgement(table).loc["Rhine"]
+    error = np.sqrt(np.sum(rhine["n_error"] ** 2)) / len(rhine)
+    by_lattices = judgement(table, "lattices").loc["Rhine", "error"]
+    all_forms = read_rows("size_and_form").query("case == 'U7' and representation == 'polyhedron' and grain.isna()")
+    of_all = " and ".join(f"{n:.3f}" for n in all_forms["n"])
+    assert states(
+        PLAN,
+        f"Of the twelve beds {number} are packed, all with the Rhine's distribution: {packed}.",
+        f"is {rule['error']:+.4f} ± {error:.4f} (sampling), and".replace("-", "−"),
+        f"With the effect of form of beds on lattices it is {by_lattices:+.4f}.".replace("-", "−"),
+        f"Beds of all forms in U7, which are part of the fit, have {of_all}.",
+    )
+    assert states(
+        FINDINGS,
+        f"in U7, as a rain: forms from its distribution | {rhine['n'].mean():.3f} ± {error:.3f}; "
+        f"{rhine['rain'].mean():.3f} predicted by the formula of form and sieve curve | 0.288 |",
+    )
+    assert len(rhine) == len(table) and rule["confirmed"] and abs(rule["error"]) > 0.9 * rule["limit"]
