@@ -43,3 +43,25 @@ def test_the_effect_of_the_height_by_form(forms):
     assert set(flat.index) == {"G20", "G40", "G26"}
     assert f"G20 has +{flat['G20']:.3f}, G40 +{flat['G40']:.3f} and G26 +{flat['G26']:.3f}" in process
     assert forms["height"].max() == flat["G26"] and f"up to {flat['G26']:.2f}" in page("README.md")
+
+
+def test_heights_and_boxes_of_the_set_of_long_grains():
+    text = page("docs/appendices/mixtures_of_form.md")
+    rows = pd.read_csv(REFERENCE / "difference_long.csv").query("shape_kind == 'polyhedron' and shaking_s == 6")
+    n = rows.pivot_table(index="seed", columns=["fill", "faces"], values="n")
+    changes = {faces: n["r22", faces] - n["bed", faces] for faces in (100, 300)}
+    shown = {k: f"{c.mean():.3f} ± {c.sem():.3f}".replace("-", "−") for k, c in changes.items()}
+    assert all(len(change.dropna()) == 3 for change in changes.values())
+    assert f"| r22 heights | {shown[100]} |" in text
+    assert f"| r22 heights, with 300 faces before and after | {shown[300]} |" in text
+    assert f"| heights of insertion, with 300 faces | {shown[300].removeprefix('−')} |" in text
+    beds = pd.read_csv(REFERENCE / "difference_long_bed.csv").query("seed == 1").set_index(["width_m", "height_m"])
+    for place, words in (
+        ((0.063, 0.8), "the campaign's box"),
+        ((0.0945, 0.8), "1.5 times as wide"),
+        ((0.063, 1.2), "twice as deep"),
+    ):
+        assert f"| {words} | {beds.n[place]:.3f} ± {beds.n_error[place]:.3f} |" in text
+    wider, deeper = (beds.n[0.063, 0.8] - beds.n[place] for place in ((0.0945, 0.8), (0.063, 1.2)))
+    explained = f"{wider:.3f} and {deeper:.3f}".replace("-", "−")
+    assert f"| width and depth of the bed | {explained}, one seed each," in text
