@@ -24,7 +24,7 @@ from simcore.reference.share_columns import realised_curve
 
 BEDS = "mixtures_wide"
 SETS = OF_SETS[1:-1]  # mean and standard deviation of FL and of EL
-RHINE = (0.647, 0.175, 0.682, 0.139)
+RHINE = (0.647, 0.175, 0.682, 0.139)  # values of SETS, as in the study application of config/config.yaml
 PROCESSES = ("rain", "lattices")
 RHINE_LIMIT, SETS_LIMIT = 0.005, 0.010  # of the rules
 
