@@ -1,5 +1,6 @@
 """Numbers of the page on stability, from the committed maps."""
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -52,3 +53,18 @@ def test_outcomes_of_the_scheme_of_campaigns():
     assert set(counts.index) <= set(words)
     for outcome, text in words.items():
         assert f"| {text} | {counts.get(outcome, 0)} |" in PAGE
+
+
+def test_dashpots_are_compared_by_the_committed_rows():
+    folder = REFERENCE / "work_precision"
+    beds = pd.read_csv(folder / "rest.csv").query("shape == 'polyhedron'").set_index(["dashpot", "steps"])
+    contacts = pd.read_csv(folder / "one_contact.csv").query("case == 'attractive' and quantity == 'restitution, mean'")
+    errors = contacts.set_index(["method", contacts["setting"].astype(int)])["error"]
+    for name, key in (("`numerics.dashpot: implicit`", ("implicit", 10)), ("explicit", ("explicit", 40))):
+        error, force = (f"{value:.0e}".replace("e-0", "e-") for value in (errors[key], beds["unbalanced_force"][key]))
+        assert f"| {name} | {key[1]} | {error} | {force} |" in PAGE
+    explicit = beds.loc["explicit", "kinetic_energy"]
+    assert (explicit[explicit.index <= 20] == np.inf).all() and explicit[40] < 1e-6
+    assert "With 20 explicit steps or fewer it flies apart." in PAGE
+    ratio = beds["cpu_s"]["implicit", 10] / beds["cpu_s"]["explicit", 40]
+    assert f"take {ratio:.2f} of their CPU time" in PAGE
