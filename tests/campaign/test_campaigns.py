@@ -85,7 +85,7 @@ def test_the_workstation_has_what_its_tables_are_to_hold():
     for specification in of["validation"].specification:
         assert (specification["domain"]["width"], specification["amount"]["mass"]) == (0.104, 3.0)
         assert specification["domain"]["type"] == "cylinder" and specification["shaking"]["duration"] == 1.0
-    assert of["validation"].specification.map(lambda s: (s["sizes"]["case"], s["seed"])).nunique() == 14
+    assert of["validation"].specification.map(lambda s: (s["sizes"]["case"], s["seed"])).nunique() == 21
 
 
 def test_real_grains_need_a_path_and_nothing_else(tmp_path):
