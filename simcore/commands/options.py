@@ -47,6 +47,8 @@ def _positive(option, text, unit, needed, bare=False, least=None):
 
     if text is None:
         return None
+    if not bare and re.fullmatch(NUMBER, text.strip()):
+        raise ValueError(f"{option}: '{text}' has no unit; {needed.partition('; ')[2]}")
     plain = _DECIMAL_COMMA.sub(r"\1.", text)
     try:
         value = float(plain) if bare and re.fullmatch(NUMBER, plain) else parse_quantity(plain, unit)

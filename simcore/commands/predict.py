@@ -81,7 +81,7 @@ def run(options) -> int:
         "notify": lambda notice: print(f"scree predict: {notice}", file=sys.stderr),
     }
     if options.sieve is not None or (options.case is None and has_curves(options.forms)):
-        print(_of_curve(options, common))
+        _print_of_curve(options, common)
         return 0
     if options.case is None:
         raise ValueError(
@@ -100,16 +100,15 @@ def run(options) -> int:
     return 0
 
 
-def _of_curve(options, common):
+def _print_of_curve(options, common):
     from simcore.models.size_and_form.bed_prediction_text import predict_curve_file
     from simcore.models.size_and_form.predicted_specification import write_specification
 
     if options.pack is not None:
         check_writable(options.pack, options.sieve, options.forms, endings=YAML)
     ends = {name: grain_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")}
-    text = predict_curve_file(options.sieve, options.forms, **ends, **common)
+    print(predict_curve_file(options.sieve, options.forms, **ends, **common), flush=True)
     if options.pack is not None:
         for notice in write_specification(options.pack, options.sieve, options.forms, options.sample, **ends):
             common["notify"](notice)
         common["notify"](f"{options.pack} is written; `scree pack {options.pack} bed.nc` packs this bed")
-    return text

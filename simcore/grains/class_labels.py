@@ -4,7 +4,7 @@ import math
 import re
 
 from simcore.grains.cell_numbers import DATE, read_number
-from simcore.grains.sieve_columns import LENGTHS, PHI, known_unit
+from simcore.grains.sieve_columns import LENGTHS, PAN, PHI, known_unit
 
 CLASS_NAME = re.compile(
     r"(?:(?:(?:size|sieve)[ _-]*)?class|(?:sieb|korn|korngrößen)?klasse|classe)(?:\s*[\[(]([a-zµμφ]+)[\])])?",
@@ -20,8 +20,13 @@ OPEN_END = re.compile(
 )
 BELOW = ("<", "<=", "≤", "-", "−", "unter", "kleiner", "below", "under", "finer than", "smaller than", "less than")
 # Names, without a unit, of a column of the lower and of one of the upper sieves of classes.
-LOWER_NAME = re.compile(r"from|von|lower|low|d?[ _]?min|untergrenze|unten|de", re.IGNORECASE)
-UPPER_NAME = re.compile(r"to|bis|upper|high|d?[ _]?max|obergrenze|oben|à", re.IGNORECASE)
+_OF_BOUNDS = r"(?:(?:grain[ _-]?)?size|diameter|sieve|bound|limit|opening|d)"
+LOWER_NAME = re.compile(
+    rf"from|von|lower(?:[ _-]{_OF_BOUNDS})?|low|{_OF_BOUNDS}[ _-]lower|d?[ _]?min|untergrenze|unten|de", re.IGNORECASE
+)
+UPPER_NAME = re.compile(
+    rf"to|bis|upper(?:[ _-]{_OF_BOUNDS})?|high|{_OF_BOUNDS}[ _-]upper|d?[ _]?max|obergrenze|oben|à", re.IGNORECASE
+)
 # The same of columns of a length, whose names would mean an amount otherwise, such as `passing [mm]`.
 LOWER_SIEVE = re.compile(
     r"(?:sieve |size )?retain(?:ed|ing)(?: on)?(?: sieve| size)?|refus|(?:sieb)?rückstand", re.IGNORECASE
@@ -81,6 +86,8 @@ def class_bounds(where, column, label, unit):
     match = CLASS_LABEL.fullmatch(label)
     if not match and DATE.fullmatch(label):
         raise ValueError(f"{is_text}; a spreadsheet took the class for a date: format the column as text, and enter it")
+    if not match and PAN.fullmatch(label):
+        raise ValueError(f"{is_text}; write it with the finest sieve, such as '{'< 2' if unit else '< 2 mm'}'")
     if not match:
         units = ("8-11.2", "> 63") if unit else ("8-11.2 mm", "> 63 mm")
         raise ValueError(

@@ -73,8 +73,8 @@ def sample_of_class(curve, index, classes):
         lies = f"it is only partly within {' and '.join(class_text(*bounds) for bounds in parts)} of the table of forms"
         remedy = "let the classes of forms end at sieves of the curve"
     raise ValueError(
-        f"{curve.name}: the class {low * 1e3:g} to {high * 1e3:g} mm has mass, but {lies}; {remedy}, or remove the "
-        "column of classes"
+        f"sieve curve {curve.name}: the class {low * 1e3:g} to {high * 1e3:g} mm has mass, but {lies}; "
+        f"{remedy}, or remove the column of classes"
     )
 
 

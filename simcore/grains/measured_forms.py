@@ -41,7 +41,7 @@ log = logging.getLogger(__name__)
 
 LONGEST = 100.0  # maximum L/S, that of FL = EL = 0.1, the minimum in Rettinger et al. (2022)
 ALIKE = 1e-9  # relative deviation; measured grains differ by more, copies of one row only by rounding
-FEWEST_FOR_ERRORS = 5  # grains, from which the errors of their statistics are known: of fewer, intervals are too narrow
+FEWEST_FOR_ERRORS = 5  # grains, from which they determine the errors of their statistics
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,10 @@ NEEDED = (
     "8-11.2, or the two columns `from [mm]` and `to [mm]`, and one of amounts, such as `mass [g]`, "
     "`retained [%]` or `passing [%]`"
 )
-# Lengths in metres; phi is -log2 of the opening in mm.
+# Lengths in metres; phi is -log2 of the opening in mm, and psi is -phi.
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "in": 0.0254}
-PHI = "phi"
+PHI, PSI = "phi", "psi"
+LOGARITHMS = (PHI, PSI)
 PERCENT, FRACTION = "%", "1"
 MASSES = {"mg": 1e-6, "g": 1e-3, "kg": 1.0, "t": 1000.0, "lb": 0.45359237}
 RETAINED, PASSING, CUMULATIVE = "retained", "passing", "cumulative retained"
@@ -31,6 +32,7 @@ PAN = re.compile(
 _SPELLINGS = {
     "um": "µm", "μm": "µm", "micron": "µm", "microns": "µm", "micrometer": "µm", "micrometre": "µm",
     "millimeter": "mm", "millimetre": "mm", "inch": "in", "inches": "in", "φ": PHI, "Φ": PHI, "ϕ": PHI, "phi": PHI,
+    "ψ": PSI, "Ψ": PSI,
     "percent": PERCENT, "pct": PERCENT, "wt%": PERCENT, "wt.%": PERCENT, "wt-%": PERCENT, "mass%": PERCENT,
     "mass-%": PERCENT, "masse-%": PERCENT, "m-%": PERCENT, "m.-%": PERCENT, "ma.-%": PERCENT, "gew%": PERCENT,
     "gew.%": PERCENT, "gew-%": PERCENT, "gew.-%": PERCENT, "gram": "g", "grams": "g", "lbs": "lb",
@@ -39,7 +41,7 @@ _SPELLINGS = {
 _OPENING_WORDS = {
     "opening", "openings", "aperture", "mesh", "size", "sieve", "sieves", "diameter", "d", "grainsize", "maschenweite",
     "siebweite", "sieb", "siebe", "prüfsieb", "prüfsiebe", "siebgröße", "sieböffnung", "maschenöffnung", "öffnung",
-    "korngröße", "korndurchmesser", "tamis", "ouverture", "diamètre", "ø", PHI,
+    "korngröße", "korndurchmesser", "tamis", "ouverture", "diamètre", "ø", PHI, PSI,
 }  # fmt: skip
 _PASSING_WORDS = {
     "passing", "passes", "finer", "undersize", "durchgang", "siebdurchgang", "durchgangssumme", "durchgänge",
@@ -71,16 +73,20 @@ _RETAINED_WORDS = {
 }  # fmt: skip
 # Words of a column with the masses of the sieves, with or without grains on them. Those of _SIEVE_WORDS mean it only if
 # they are joined with some of _GRAIN_WORDS, as in "sieve + sample", or stand alone, as in "mass of sieve".
-_GROSS_WORDS = {"gross", "brutto", "bruttomasse", "brut", "tare", "tara", "leer", "leermasse", "leergewicht", "empty"}
+_GROSS_WORDS = {
+    "gross", "brutto", "bruttomasse", "brut", "tare", "tara", "leer", "leermasse", "leergewicht", "empty", "vide",
+    "full", "voll", "plein",
+}  # fmt: skip
 _SIEVE_WORDS = {"sieve", "sieb", "siebs", "siebes", "tamis"}
 _GRAIN_WORDS = {"sample", "soil", "material", "grains", "probe", "rückstand", "échantillon", "sol"}
 _JOINING_WORDS = {"and", "with", "incl", "und", "mit", "inkl", "et", "avec"}
-_OF_WORDS = {"of", "the", "des", "du", "mass", "weight", "masse", "gewicht"}
+_MASS_WORDS = {"mass", "weight", "masse", "gewicht"}
+_OF_WORDS = {"of", "the", "des", "du", *_MASS_WORDS}
 _COUNT_WORDS = {"count", "counts", "number", "numbers", "anzahl", "n"}
 _BRACKETS = re.compile(r"\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 # A unit without brackets: "opening_mm", "mass g", "size, mm".
 _TRAILING = re.compile(
-    r"[\s_,/.-]+(?:in\s+)?(mm|cm|m|µm|um|μm|microns?|inch(?:es)?|phi|φ|g|kg|mg|lbs?|%)\.?$", re.IGNORECASE
+    r"[\s_,/.-]+(?:in\s+)?(mm|cm|m|µm|um|μm|microns?|inch(?:es)?|phi|φ|psi|ψ|g|kg|mg|lbs?|%)\.?$", re.IGNORECASE
 )
 
 
@@ -110,7 +116,10 @@ def recognise_sieve_columns(path, table, classes=None):
     is unknown or of the wrong kind.
     """
     header, openings, amounts = table.header, [], []
+    gross = [name for name in header if has_mass_of_sieve(name)]
     for position, name in enumerate(header):
+        if gross and _may_be_mass_of_sieve(name):
+            continue
         meaning, unit = (OPENING, None) if position == classes else column_meaning(path, name)
         if meaning == OPENING:
             openings.append((position, unit))
@@ -119,7 +128,6 @@ def recognise_sieve_columns(path, table, classes=None):
     names = [name or "(no name)" for name in header]
     if not openings:
         raise ValueError(f"{path}: none of the columns ({', '.join(names)}) has sieve openings; {NEEDED}")
-    gross = [name for name in header if has_mass_of_sieve(name)]
     if not amounts and gross:
         raise ValueError(
             f"{path}: the column {gross[0]} has the mass of the sieve in it; give the mass of the grains, which is the "
@@ -203,6 +211,14 @@ def has_mass_of_sieve(name):
     return bool(words & _GROSS_WORDS) or both or alone
 
 
+def _may_be_mass_of_sieve(name):
+    """Return whether a name, such as "sieve mass [g]", means the mass of the sieves beside one with grains on them."""
+    text, unit = split_unit(name)
+    words = plain_words(text)
+    of_mass = bool(words & _MASS_WORDS) or known_unit(unit or "") in MASSES
+    return of_mass and words <= _SIEVE_WORDS | _MASS_WORDS and bool(words & _SIEVE_WORDS)
+
+
 def counts_grains(name):
     """Return whether a column of this name has counts of grains."""
     return bool(plain_words(name) & _COUNT_WORDS)
@@ -222,7 +238,7 @@ def split_unit(name):
 def known_unit(text):
     """Return a unit in the spelling of this module, or None if it is unknown."""
     unit = _SPELLINGS.get(text, _SPELLINGS.get(text.lower(), text.lower()))
-    return unit if unit in {*LENGTHS, *MASSES, PHI, PERCENT, FRACTION} else None
+    return unit if unit in {*LENGTHS, *MASSES, *LOGARITHMS, PERCENT, FRACTION} else None
 
 
 def reading_rules():
@@ -230,7 +246,7 @@ def reading_rules():
     words = {
         "opening": _OPENING_WORDS, "passing": _PASSING_WORDS, "coarser": _COARSER_WORDS, "summed": _SUMMED_WORDS,
         "retained": _RETAINED_WORDS, "count": _COUNT_WORDS, "gross": _GROSS_WORDS, "sieve": _SIEVE_WORDS,
-        "grains": _GRAIN_WORDS, "joining": _JOINING_WORDS, "of": _OF_WORDS,
+        "grains": _GRAIN_WORDS, "joining": _JOINING_WORDS, "of": _OF_WORDS, "mass": _MASS_WORDS,
     }  # fmt: skip
     return {
         "words": {key: sorted(values) for key, values in words.items()},
@@ -246,8 +262,8 @@ def _split(path, name):
     """Return the words of a column's name without its unit, and the unit or None."""
     text = name.lower()
     bare = known_unit(text)
-    if bare == PHI:
-        return {PHI}, PHI
+    if bare in LOGARITHMS:
+        return {bare}, bare
     if bare in LENGTHS:
         return {OPENING}, bare
     if bare in MASSES or bare == PERCENT:
@@ -258,7 +274,7 @@ def _split(path, name):
     if match and unit is None and match[1] and words & {*_OPENING_WORDS, *_RETAINED_WORDS, *_PASSING_WORDS}:
         raise ValueError(
             f"{path}: the column {name} has the unknown unit '{match[1]}'; sieve openings are in "
-            f"{', '.join([*LENGTHS, PHI])}, amounts in {', '.join(MASSES)} or %"
+            f"{', '.join([*LENGTHS, *LOGARITHMS])}, amounts in {', '.join(MASSES)} or %"
         )
     if unit is None and (words & {"percent", "pct"} or "%" in text):
         unit = PERCENT
@@ -282,7 +298,7 @@ def _meaning(path, name, words, unit):
         meaning = OPENING
     else:
         return None
-    of_length = unit in LENGTHS or unit == PHI
+    of_length = unit in LENGTHS or unit in LOGARITHMS
     if meaning == OPENING and unit is not None and not of_length:
         raise ValueError(f"{path}: the column {name} is in {unit}, but sieve openings are a length; correct its name")
     if meaning != OPENING and of_length:

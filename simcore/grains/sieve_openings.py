@@ -7,7 +7,7 @@ import numpy as np
 
 from simcore.grains.cell_numbers import check_sheet_error, read_number
 from simcore.grains.row_errors import read_each
-from simcore.grains.sieve_columns import LENGTHS, PAN, PHI, known_unit
+from simcore.grains.sieve_columns import LENGTHS, LOGARITHMS, PAN, PHI, known_unit
 
 LEAST_COARSEST = 63e-6  # [m]; if the coarsest sieve is finer, its unit or decimal mark is probably wrong
 MAX_COARSEST = 1.0  # [m]; larger sizes of grains may be in µm
@@ -67,6 +67,9 @@ def _fault_of_order(path, rows, values, unit):
     most steps or, if as many rise as fall, from the step between the ends.
     """
     advice = "order the sieves from coarse to fine or from fine to coarse, each once"
+    _, repeats = np.unique(values, return_counts=True)
+    if len(repeats) > 1 and repeats.min() > 1:
+        advice = "a table has one sieve curve, so that each sample needs its own file"
     alone = [i for i in range(len(values)) if _in_order(np.delete(values, i))]
     if len(alone) == 1:
         (i,) = alone
@@ -94,29 +97,37 @@ def _opening(where, name, text, unit):
             f"{where}: {is_text}; if the row has what passes the finest sieve, name it `pan`; if it is no sieve, "
             "remove the row"
         )
-    if unit is None:
-        match = WITH_UNIT.fullmatch(text)
-        unit = known_unit(match[2]) if match else None
-        if match and unit is None:
-            raise ValueError(f"{where}: {name} is '{text}'; its unit is unknown; use {', '.join([*LENGTHS, PHI])}")
-        if unit is None:
-            raise ValueError(
-                f"{where}: {name} is '{text}', without a unit; write it as in the other rows, or for all rows in the "
-                f"header, such as `{name} [mm]`"
-            )
-        text = match[1]
+    match = WITH_UNIT.fullmatch(text)
+    own = known_unit(match[2]) if match else None
+    if unit is None and match and own is None:
+        raise ValueError(f"{where}: {name} is '{text}'; its unit is unknown; use {', '.join([*LENGTHS, *LOGARITHMS])}")
+    if unit is None and own is None:
+        raise ValueError(
+            f"{where}: {name} is '{text}', without a unit; write it as in the other rows, or for all rows in the "
+            f"header, such as `{name} [mm]`"
+        )
+    if match and (unit is None or own in (*LENGTHS, *LOGARITHMS)):
+        unit, text = own, match[1]
     if re.match(r"(?:no|nr|#)", text, re.IGNORECASE):
         raise ValueError(f"{where}: {name} is '{text}', a number of a sieve; give its opening instead, in mm")
     if COMMON_FRACTION.fullmatch(text):
         value = Fraction(text.replace(" ", ""))
         raise ValueError(f"{where}: {name} is '{text}'; write a fraction as a decimal number, {float(value):g}")
     value = read_number(where, name, text)
-    if unit == PHI:
+    if unit in LOGARITHMS:
         if abs(value) > 20:
-            raise ValueError(f"{where}: {name} = {value:g} phi is no sieve; phi is -log2 of the opening in mm")
-        return 2.0**-value * 1e-3
+            sign = "-" if unit == PHI else ""
+            raise ValueError(
+                f"{where}: {name} = {value:g} {unit} is no sieve; {unit} is {sign}log2 of the opening in mm"
+            )
+        return 2.0 ** (-value if unit == PHI else value) * 1e-3
     if unit not in LENGTHS:
-        raise ValueError(f"{where}: {name} is in {unit}, which is not a length; use {', '.join([*LENGTHS, PHI])}")
+        raise ValueError(
+            f"{where}: {name} is in {unit}, which is not a length; use {', '.join([*LENGTHS, *LOGARITHMS])}"
+        )
     if value < 0:
-        raise ValueError(f"{where}: the opening {name} = {value:g} {unit} is negative; write [phi] if it is in phi")
+        raise ValueError(
+            f"{where}: the opening {name} = {value:g} {unit} is negative; write [phi] if it is in phi, or `pan` if the "
+            f"row has what passes {-value:g} {unit}"
+        )
     return value * LENGTHS[unit]

@@ -176,9 +176,9 @@ def read_sieve_table(path, coarsest=None):
     used = [columns.opening, *(column.position for column in columns.amounts)]
     written = given.cells.loc[given.cells.index.isin(cells.index)]  # classes as they were before with_lower_sieves
     check_decimal_marks(path, {position: given.header[position] for position in used}, written)
+    check_one_sample(path, text, used)
     rows, openings, pan = read_openings(path, text.header, cells, columns)
     results, doubts = [], []
-    check_one_sample(path, text, used)
     for column in columns.amounts:
         name = text.header[column.position]
         read = read_each(
@@ -256,7 +256,8 @@ def _check_classes(path, table):
         )
     raise ValueError(
         f"{path}: all of the mass is between {sieves[used - 1]} and {sieves[used]}; at least two size classes with "
-        "mass are needed. The porosity of a single class is that of --case one-class. To pack it, write "
+        "mass are needed. The porosity of a single class is that of --case one-class, and that of the name U1 in a "
+        "column of sieve curves. To pack it, write "
         f"`sizes: {{bounds: [{sieves[used - 1]}, {sieves[used]}], mass_fractions: [1]}}` in a specification"
     )
 
@@ -362,8 +363,9 @@ def _from_retained(path, name, openings, amounts, unit, notices):
     whole = {PERCENT: 100.0, FRACTION: 1.0}.get(unit)
     if whole is not None and abs(total / whole - 1.0) > ROUNDING:
         raise ValueError(
-            f"{path}: {name} sums to {total:.4g}, not to {whole:g}; add what is missing, such as a row `pan`, or "
-            "correct the values; cumulative values need a name such as `passing [%]` or `cumulative retained [%]`"
+            f"{path}: {name} sums to {total:.4g}, not to {whole:g}; "
+            f"{'add what is missing, such as a row `pan`, or ' if total < whole else ''}correct the values; cumulative "
+            "values need a name such as `passing [%]` or `cumulative retained [%]`"
         )
     if whole is not None and abs(total / whole - 1.0) > 1e-9:
         notices.append(f"{name} sums to {total:.6g} instead of {whole:g}; it is divided by its sum")

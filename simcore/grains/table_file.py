@@ -10,7 +10,15 @@ from pathlib import Path
 import pandas as pd
 
 from simcore.grains.form_columns import SAMPLE_NAMES
-from simcore.grains.table_head import comment_of, join_units, nameless_column, rows_above_header, width
+from simcore.grains.table_head import (
+    comment_of,
+    comments_above,
+    join_units,
+    may_be_names,
+    nameless_column,
+    rows_above_header,
+    width,
+)
 
 _WORKBOOKS = (".xlsx", ".xlsm", ".ods")
 _THREE_DECIMALS = re.compile(r"-?\d+\.\d{3}")
@@ -279,6 +287,8 @@ def _split_header(path, cells, notices, fields=(), separator=""):
     cells = cells[(cells != "").any(axis=1)]
     if cells.empty:
         return TextTable(path, [], cells, notices)
+    if comments := comments_above(cells.to_numpy().tolist()):
+        cells = cells.iloc[comments:]
     above = rows_above_header(cells.to_numpy().tolist())
     if above:
         rows = ", ".join(f"row {row}" for row in cells.index[:above])
@@ -291,7 +301,7 @@ def _split_header(path, cells, notices, fields=(), separator=""):
                 f"{path}: column {position + 1} has values but no name in row {cells.index[above]}; write its "
                 f"name there (row {cells.index[row]} has {rows[row][position]})"
             )
-    names, cells = cells.iloc[above].tolist(), cells.iloc[above + 1 :]
+    first, names, cells = cells.index[above], cells.iloc[above].tolist(), cells.iloc[above + 1 :]
     columns = width(names)
     for row, *texts in cells.itertuples(name=None):
         if comment := comment_of(texts):
@@ -305,6 +315,11 @@ def _split_header(path, cells, notices, fields=(), separator=""):
     if joined:
         notices = [*notices, f"row {cells.index[0]} has the units of the columns"]
         names, cells = joined, cells.iloc[1:]
+    elif not above and len(cells) and may_be_names(cells.iloc[0].tolist()):
+        notices = [
+            *notices,
+            f"row {cells.index[0]} has no numbers; if row {first} is a title above the columns, remove it",
+        ]
     kept = [position for position in range(columns) if names[position] or (cells[position] != "").any()]
     cells = cells[kept].set_axis(range(len(kept)), axis=1)
     numbers = {row: sum(position < number for position in kept) for row, number in enumerate(fields, start=1)}

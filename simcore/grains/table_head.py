@@ -6,7 +6,7 @@ from simcore.grains.cell_numbers import SHEET_ERROR
 
 _WORDS_OF_UNITS = r"(?:units?|einheit(?:en)?|unités?)\s*:?"
 _UNIT = (
-    r"[µμumcd]?m|in|inch(?:es)?|microns?|millimet(?:er|re)s?|phi|[φΦϕ]|mg|g|kg|t|lbs?|grams?|percent"
+    r"[µμumcd]?m|in|inch(?:es)?|microns?|millimet(?:er|re)s?|phi|[φΦϕ]|psi|[ψΨ]|mg|g|kg|t|lbs?|grams?|percent"
     r"|(?:[a-z]+\.?[\s-]?)?%"
 )
 _WITHOUT_UNIT = r"[-–—1]"
@@ -24,6 +24,19 @@ def head_patterns():
     }
 
 
+def comments_above(rows) -> int:
+    """Return how many of the first rows of a table are comments, such as `# km 650, left bank`.
+
+    rows: as for rows_above_header. A row that begins with # above a row with numbers has the names of the columns.
+    """
+    comments = 0
+    for texts, below in zip(rows, rows[1:], strict=False):
+        if not comment_of(texts) or any(map(_is_number, below)):
+            break
+        comments += 1
+    return comments
+
+
 def rows_above_header(rows) -> int:
     """Return how many rows of a table are a title above the names of the columns.
 
@@ -39,6 +52,11 @@ def rows_above_header(rows) -> int:
         if width(texts) > width(rows[above]) and numbers == 0 and len(names) > 1 and not join_units(names, names):
             above = i
     return above
+
+
+def may_be_names(texts) -> bool:
+    """Return whether the cells of a row may be names of columns: at least two, without numbers."""
+    return sum(map(bool, texts)) > 1 and not any(map(_is_number, texts))
 
 
 def join_units(names, texts):

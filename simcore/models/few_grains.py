@@ -3,8 +3,10 @@
 import numpy as np
 
 from simcore.evaluation.confidence import student_quantile
-from simcore.grains.statistics import STATISTICS
+from simcore.grains.measured_forms import FEWEST_FOR_ERRORS
+from simcore.grains.statistics import STATISTICS, means_covariance
 from simcore.models.unified import feature_table
+from simcore.reference.r22_tables import rhine_statistics
 
 RELATIVE_STEP = 1e-4  # of a statistic, for the derivatives of a model
 MOST_FREEDOM = 60  # degrees of freedom; Student's t of more is at most 2 % smaller at 95 %, 5 % at 99.9 %
@@ -13,11 +15,13 @@ MOST_FREEDOM = 60  # degrees of freedom; Student's t of more is at most 2 % smal
 def few_grains_errors(model, samples):
     """Return the standard errors (n,) of the porosity of n Samples that follow from the limited number of grains.
 
-    model: PorosityModel. To first order, with the covariance of each Sample. The error is nan if it is unknown, and 0
-    for one form, unless this is the form of a single grain.
+    model: PorosityModel. To first order, with the covariance of each Sample. That of two to FEWEST_FOR_ERRORS - 1
+    grains, which do not determine it, follows from the deviations of the Rhine's gravel. The error is nan if the number
+    of grains is unknown, and 0 for one form, unless this is the form of a single grain.
     """
+    covariances = [_covariance(sample) for sample in samples]
     errors = np.array([0.0 if sample.one_form and sample.grains != 1 else np.nan for sample in samples])
-    measured = [index for index, sample in enumerate(samples) if sample.covariance is not None]
+    measured = [index for index, covariance in enumerate(covariances) if covariance is not None]
     if not measured:
         return errors
     values = np.array([[getattr(samples[index], name) for name in STATISTICS] for index in measured])
@@ -32,12 +36,28 @@ def few_grains_errors(model, samples):
             changes[:, column] = (ends[0] - ends[1]) / (2 * RELATIVE_STEP)
     # If a statistic is 0, so is its change, or the model gives no porosity.
     slopes = np.divide(changes, values, out=np.zeros(values.shape), where=values > 0)
-    covariance = np.array([samples[index].covariance for index in measured])
+    covariance = np.array([covariances[index] for index in measured])
     errors[measured] = np.sqrt(np.einsum("ni,nij,nj->n", slopes, covariance, slopes))
     return errors
 
 
 def few_grains_half(samples, errors, level):
-    """Return the half widths (n,) of the intervals by these errors (n,), by Student's t; 0 where they are unknown."""
-    freedom = [min(max(sample.grains - 1, 1), MOST_FREEDOM) for sample in samples]
+    """Return the half widths (n,) of the intervals by these errors (n,), by Student's t; 0 where they are unknown.
+
+    The degrees of freedom are one less than the grains, and MOST_FREEDOM if the deviations are those of the Rhine.
+    """
+    freedom = [MOST_FREEDOM if _has_few(sample) else min(max(sample.grains - 1, 1), MOST_FREEDOM) for sample in samples]
     return np.array([student_quantile(level, count) for count in freedom]) * np.nan_to_num(errors)
+
+
+def _has_few(sample):
+    """Return whether the grains of a Sample are too few to determine their deviations, but more than one."""
+    return 1 < sample.grains < FEWEST_FOR_ERRORS and not sample.one_form
+
+
+def _covariance(sample):
+    """Return the covariance (4, 4) of the errors of the STATISTICS of a Sample, or None if it is unknown."""
+    if not _has_few(sample):
+        return sample.covariance
+    rhine = rhine_statistics()
+    return means_covariance(sample.mu_FL, rhine["sigma_FL"], sample.mu_EL, rhine["sigma_EL"], sample.grains)

@@ -1,5 +1,6 @@
 """Predict the porosity of the measured grains of a table."""
 
+import logging
 from typing import NamedTuple
 
 import pandas as pd
@@ -8,6 +9,8 @@ from simcore.grains.measured_forms import read_measured
 from simcore.models.fitting import FittedModels, fit_reference_models, read_campaign_models
 from simcore.models.prediction import predict_samples
 from simcore.models.size_and_form.bed_forms import has_curves, join_tables, read_bed_forms, refuse_curves
+
+log = logging.getLogger(__name__)
 
 
 class MeasuredPrediction(NamedTuple):
@@ -61,7 +64,9 @@ def models_for_cases(models=None, source=None) -> FittedModels:
     return fitted
 
 
-def predict(forms=None, case=None, *, curve=None, models=None, source=None, column=None, level=0.95) -> pd.DataFrame:
+def predict(
+    forms=None, case=None, *, curve=None, models=None, source=None, column=None, level=0.95, finest=None, coarsest=None
+) -> pd.DataFrame:
     """Return the porosity of each sample of a table of measured grains.
 
     forms: path of a table with one row per grain, columns L, I, S or FL, EL, or one row per sample, columns mean_FL,
@@ -71,7 +76,8 @@ def predict(forms=None, case=None, *, curve=None, models=None, source=None, colu
     at `predict_samples`. curve: path of a table with a sieve curve, name of a listed one, or a SieveCurve; the result
     has one row per sample, with the columns of simcore.models.size_and_form.bed_prediction.predict_curve, and without
     `forms` the form is the Rhine's. With a column `class` in `forms`, each sieve class of a sample has its own form.
-    Further arguments and errors: as in `predict_measured`.
+    finest, coarsest [m]: sizes of the grains in the pan and on the coarsest sieve of a table. Further arguments and
+    errors: as in `predict_measured`. Notices on how the tables were read are logged as warnings.
     """
     own = case is None and curve is None and has_curves(forms)
     if not own and (case is None) == (curve is None):
@@ -80,7 +86,17 @@ def predict(forms=None, case=None, *, curve=None, models=None, source=None, colu
         if forms is None:
             raise ValueError("give the path of the table of measured grains")
         refuse_curves(forms)
-        return predict_measured(forms, case, models, source, column, level).table
+        if finest is not None or coarsest is not None:
+            raise ValueError("finest and coarsest are sizes for a sieve curve; give `curve` instead of `case`")
+        prediction = predict_measured(forms, case, models, source, column, level)
+        _log(prediction.notices)
+        return prediction.table
     check_level(level)
-    fitted, (beds, _) = models_for(models, source), read_bed_forms(forms, curve, column)
+    fitted, (beds, notices) = models_for(models, source), read_bed_forms(forms, curve, column, finest, coarsest)
+    _log(notices)
     return join_tables(beds, [bed.predict(fitted, level) for bed in beds])
+
+
+def _log(notices):
+    for notice in notices:
+        log.warning("%s", notice)

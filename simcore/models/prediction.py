@@ -19,6 +19,7 @@ from simcore.models.measured_file import MEASURED
 from simcore.models.unified import feature_table, unified_features
 from simcore.paths import R22_TABLES
 from simcore.reference.r22_tables import read_r22_models, rhine_statistics
+from simcore.scene.sizes import all_cases
 
 ONE_CLASS = "one-class"  # any single sieve class
 _OF_ONE_CLASS = "U1"
@@ -66,7 +67,10 @@ def predict_samples(samples, case, fitted, level=0.95, r22_tables=R22_TABLES, re
     published = published_models(case, r22_tables)
     if case not in fitted.cases() and not published:
         cases = sorted({*fitted.cases(), *(of_case for _, of_case in read_r22_models(r22_tables))})
-        raise ValueError(f"case {case}: there is no model for it; choose one of {', '.join(cases)}, {ONE_CLASS}")
+        of_curve = f"; or {remedy_without_model(case)}" if case in all_cases() else ""
+        raise ValueError(
+            f"case {case}: there is no model for it; choose one of {', '.join(cases)}, {ONE_CLASS}{of_curve}"
+        )
     tables = []
     for sample in samples:
         rows = predict_sample(sample, case, fitted, published, level, r22_tables) or [_no_model(sample, case)]

@@ -22,6 +22,10 @@ from simcore.models.two_axes import WITHOUT_FEW_GRAINS, predict_two_axes, two_ax
 from simcore.reference.r22_tables import read_r22_models
 
 FEW_GRAINS = 30  # fewer grains do not determine the spread of form well
+FEW_WORDS = {
+    FEW_GRAINS: "do not determine the spread of form well",
+    FEWEST_FOR_ERRORS: "do not determine the error either; it is that of grains that differ as much as the Rhine's",
+}
 
 
 def predict_file(path, case, models=None, source=None, column=None, level=0.95, output="text", notify=None):
@@ -88,7 +92,10 @@ def _describe_missing_models(table, case, fitted):
     lines, ours_exist = [], case in fitted.cases()
     if not ours_exist:
         available = ", ".join(fitted.cases())
-        lines.append(f"Only the model of Rettinger et al. is used: ours were fitted to {available}, not to {case}.")
+        lines.append(
+            f"Only the model of Rettinger et al. is used: ours were fitted to {available}, not to {case}. For an "
+            f"interval, {remedy_without_model(case)}."
+        )
     none = table.groupby("name").n.transform("count") == 0
     without = table.model == ""
     if without.any():
@@ -103,7 +110,8 @@ def _describe_missing_models(table, case, fitted):
     ours = without.name.isin(without.name[without.by == "ours"])
     for kind in without.kind_of_bed[~ours].unique():
         lines.append(
-            f"Too few of our packings of {case} have {kind}: only the model of Rettinger et al. is used for these."
+            f"Too few of our packings of {case} have {kind}: only the model of Rettinger et al. is used for these. For "
+            f"an interval, {remedy_without_model(case)}."
         )
     if ours.any():
         names = ", ".join(without.name[ours].unique())
@@ -149,12 +157,14 @@ def _remarks(rows, column):
 
 
 def few_grains_caveats(names, grains) -> list[str]:
-    """Return a line on the samples of few grains; names, grains (n,): of each sample, 0 grains if they are unknown."""
+    """Return lines on the samples of few grains; names, grains (n,): of each sample, 0 grains if they are unknown."""
     grains = np.asarray(grains)
-    few = dict.fromkeys(np.asarray(names)[(grains > 1) & (grains < FEW_GRAINS)])
-    if not few:
-        return []
-    return [f"Fewer than {FEW_GRAINS} grains do not determine the spread of form well: {', '.join(map(str, few))}."]
+    lines = []
+    for number, text in FEW_WORDS.items():
+        few = dict.fromkeys(np.asarray(names)[(grains > 1) & (grains < number)])
+        if few:
+            lines.append(f"Fewer than {number} grains {text}: {', '.join(map(str, few))}.")
+    return lines
 
 
 def few_grains_error_caveats(names, of_one_form, errors, what) -> list[str]:
@@ -181,8 +191,7 @@ def few_grains_error_caveats(names, of_one_form, errors, what) -> list[str]:
             else f" of {', '.join(dict.fromkeys(map(str, np.asarray(names)[without_error])))}"
         )
         lines.append(
-            f"{WITHOUT_FEW_GRAINS}{of}; it is known if each of at least {FEWEST_FOR_ERRORS} grains has a row, or if a "
-            "column `grains` has their number."
+            f"{WITHOUT_FEW_GRAINS}{of}; it is known if each grain has a row, or if a column `grains` has their number."
         )
     return lines
 
@@ -198,10 +207,13 @@ def _caveats(table, level):
     one_form = ours.kind_of_bed == KINDS_OF_BED[0]
     lines += few_grains_error_caveats(ours.name, one_form, ours.few_grains_error, "the porosity")
     lines += nearly_round_caveats(ours.itertuples())
-    lines.append(
-        "The interval contains the porosity of a new sample, poured and shaken in the same way, with "
-        f"{100 * level:g} % probability; Rettinger et al. publish no interval."
-    )
+    if len(ours):
+        lines.append(
+            "The interval contains the porosity of a new sample, poured and shaken in the same way, with "
+            f"{100 * level:g} % probability; Rettinger et al. publish no interval."
+        )
+    else:
+        lines.append("Rettinger et al. publish no interval.")
     return lines
 
 

@@ -18,13 +18,14 @@ from simcore.models.size_and_form.bed_prediction import (
     MORE_MASS,
     STICKY,
     STICKY_SHARE,
+    TOO_LOW,
     TOO_WIDE,
     WIDE_CLASS,
     WIDE_SHARE,
     rhine_sample,
     states,
 )
-from simcore.models.size_and_form.bed_prediction_text import CHECK_BY_CLASS, OTHER_BEDS, STATE
+from simcore.models.size_and_form.bed_prediction_text import CHECK_BY_CLASS, MORE_OUTSIDE, OTHER_BEDS, STATE
 from simcore.models.size_and_form.candidates import CANDIDATES, FIXED_Q
 from simcore.models.size_and_form.forms_by_class import BY_CLASS
 from simcore.models.size_and_form.one_class import LARGEST, LEAST
@@ -58,6 +59,7 @@ def curve_data(levels, model=None):
         "classes": class_patterns() | {"below": BELOW, "no_phi": NO_PHI, "by_class": BY_CLASS, "check": CHECK_BY_CLASS},
         "state": STATE,
         "other_beds": OTHER_BEDS,
+        "more_outside": MORE_OUTSIDE,
         "model": model_data(model, levels),
         "reference": {
             "bounds": [1e3 * float(bound) for bound in skeletons.REFERENCE.bounds],
@@ -76,6 +78,7 @@ def curve_data(levels, model=None):
         "sticky": 1e3 * STICKY,
         "sticky_share": STICKY_SHARE,
         "too_wide": TOO_WIDE,
+        "too_low": TOO_LOW,
         "wide_class": WIDE_CLASS,
         "wide_share": WIDE_SHARE,
         "states": states()._asdict(),

@@ -16,14 +16,14 @@ from simcore.models.formulas import SYMBOLS
 from simcore.models.measured_file import MEASURED
 from simcore.models.nearly_round import LEAST_RATIO, describe_nearly_round
 from simcore.models.packing_models.empirical import PREDICTORS
-from simcore.models.prediction_text import FEW_GRAINS
+from simcore.models.prediction_text import FEW_WORDS
 from simcore.models.scatter import LEAST
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS
 from simcore.packing.sieve_specification import SYNTHETIC, sieve_specification
 from simcore.page.curve_data import curve_data
 from simcore.paths import CONFIG, R22_TABLES
 from simcore.provenance.version import VERSION
-from simcore.reference.r22_tables import read_r22_models, read_r22_table
+from simcore.reference.r22_tables import read_r22_models, read_r22_table, rhine_statistics
 
 LEVELS = (0.5, 0.8, 0.9, 0.95, 0.99)  # probabilities of the prediction intervals that the page offers
 # The page puts the form of the sample here.
@@ -61,6 +61,7 @@ def page_data(fitted, r22_tables=R22_TABLES):
             "relative_step": RELATIVE_STEP,
             "fewest": measured_forms.FEWEST_FOR_ERRORS,
             "without": WITHOUT_FEW_GRAINS,
+            "rhine": {name: float(rhine_statistics(r22_tables)[name]) for name in ("sigma_FL", "sigma_EL")},
             "quantiles": {f"{level:g}": _quantiles(level) for level in LEVELS},
         },
         "rule": {"near": NEAR, "far": FAR, "widening": WIDENING},
@@ -96,7 +97,7 @@ def _reading():
             "rounded": form_notices.ROUNDED,
             "spread": form_notices.SPREAD,
         },
-        "few_grains": FEW_GRAINS,
+        "few_grains": [{"grains": grains, "words": words} for grains, words in FEW_WORDS.items()],
         "needed": NEEDED,
         "no_deviations": NO_DEVIATIONS,
         "sample_names": list(SAMPLE_NAMES),

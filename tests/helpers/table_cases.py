@@ -8,6 +8,7 @@ from typing import NamedTuple
 import pytest
 
 from simcore.grains.form_columns import NEEDED
+from simcore.grains.sieve_columns import NEEDED as SIEVE_NEEDED
 
 
 def assert_words(case, notices_of, file):
@@ -34,6 +35,54 @@ COUNTS = (
 NO_PAN = "; if the row has what passes the finest sieve, name it `pan`; if it is no sieve, remove the row"
 GROSS = "has the mass of the sieve in it; give the mass of the grains, which is the difference, in a column `mass [g]`"
 SIEVES = [
+    Case(
+        "Sieve size [mm],Sieve mass [g],Sieve + soil [g]\n16,350,350\n8,430,730\n4,420,580\n",
+        error=f"the column Sieve + soil [g] {GROSS}",
+    ),
+    Case("Sieb [mm];Sieb leer [g];Sieb voll [g]\n16;350;350\n8;430;730\n", error=f"the column Sieb leer [g] {GROSS}"),
+    Case(
+        "Sieve size [mm],Sieve weight [g],Sieve and soil [g],Soil mass [g]\n16,350,350,0\n8,430,730,300\n"
+        "4,420,580,160\n",
+        notice="columns that are not used: Sieve weight [g], Sieve and soil [g]",
+    ),
+    Case(
+        "bar;opening [mm];mass [g]\n1;16;0\n1;8;30\n1;4;20\n2;16;0\n2;8;10\n2;4;60\n",
+        error="row 5: the opening 16 mm follows 4 mm; a table has one sieve curve, so that each sample needs its own "
+        "file",
+    ),
+    Case(
+        "sample;opening [mm];mass [g]\n1;16;0\n1;8;30\n1;4;20\n2;16;0\n2;8;10\n2;4;60\n",
+        error="the column sample has several samples (1, 2); a table has one sieve curve, so that each sample needs "
+        "its own file",
+    ),
+    Case("# km 650, left bank\nopening [mm],mass [g]\n8,0\n4,30\n2,10\n", notice="there is no row `pan`"),
+    Case(
+        "Sieve curve, Rhine km 650\nopening [mm],mass [g]\n8,0\n4,30\n2,10\n",
+        error=f"none of the columns (Sieve curve, Rhine km 650) has amounts; {SIEVE_NEEDED}; row 2 has no numbers; if "
+        "row 1 is a title above the columns, remove it",
+    ),
+    Case(
+        "lower size [mm],upper size [mm],percent\n8,16,60\n4,8,30\n",
+        error="percent sums to 90, not to 100; add what is "
+        "missing, such as a row `pan`, or correct the values; cumulative values need a name such as `passing [%]` or "
+        "`cumulative retained [%]`",
+    ),
+    Case(
+        "opening [mm],retained [%]\n8,0\n4,61\n2,40\n",
+        error="retained [%] sums to 101, not to 100; correct the "
+        "values; cumulative values need a name such as `passing [%]` or `cumulative retained [%]`",
+    ),
+    Case("opening [mm],mass [g]\n8 mm,0\n2 mm,30\n500 µm,10\n", notice="nothing is taken to pass 0.5 mm"),
+    Case(
+        "opening [mm],mass [g]\n+8,0\n+4,30\n-4,10\n",
+        error="row 4: the opening opening [mm] = -4 mm is negative; write [phi] if it is in phi, or `pan` if the row "
+        "has what passes 4 mm",
+    ),
+    Case("psi,mass [g]\n4,0\n3,30\n2,10\n", notice="nothing is taken to pass 4 mm"),
+    Case(
+        "size [psi];mass [g]\n4;0\n3;30\n25;10\n",
+        error="row 4: size [psi] = 25 psi is no sieve; psi is log2 of the opening in mm",
+    ),
     Case(
         "Sieve (mm),Mass of sieve + sample (g)\n16,450\n8,800\n4,700\npan,410\n",
         error=f"the column Mass of sieve + sample (g) {GROSS}",
@@ -744,8 +793,7 @@ CLASSES = [
     ),
     Case(
         "class [mm];FL;EL\npan;0,6;0,7\n",
-        error="row 2: class [mm] is 'pan'; give both sieves, such as '8-11.2', or an end such as '> 63'; remove rows "
-        "that are no class",
+        error="row 2: class [mm] is 'pan'; write it with the finest sieve, such as '< 2'",
     ),
     Case("Siebklasse [mm];L;I;S\n8-11,2;14;10;4\n11,2-16;13;10;6\n"),
     Case(

@@ -67,7 +67,10 @@ def test_a_size_class_is_u1_and_an_unknown_case_is_refused(reference):
     assert (row.by, row.model, row.preferred) == ("", "", False) and np.isnan(row.n)
     assert row.refused.startswith("no model was fitted to beds of B50 with a distribution of form, only to beds with")
     lines = describe(both, "B50", fitted).splitlines()
-    assert lines[1] == "Only the model of Rettinger et al. is used: ours were fitted to U1, not to B50."
+    assert lines[1] == (
+        "Only the model of Rettinger et al. is used: ours were fitted to U1, not to B50. For an interval, use predict "
+        "--sieve B50, whose model is valid for one form and for distributions."
+    )
     assert lines[2].startswith(f"Not predicted: wide; {row.refused}. For these, use predict --sieve B50, ")
     assert lines[3] == "" and not any(line.startswith("- not evaluated") for line in lines)
     models = lines[lines.index("Models") + 1 :]

@@ -79,7 +79,7 @@ class BedForms(NamedTuple):
         of_classes = [
             sample_of_class(self.curve, place, classes) for place in np.flatnonzero(self.curve.mass_fractions)
         ]
-        prefix = "" if name == BY_CLASS else f"{name}, "
+        prefix = "" if name == BY_CLASS else f"{name}: "
         return [replace(sample, name=f"{prefix}{sample.name}") for sample in dict.fromkeys(of_classes)]
 
     def _by_class(self, name, classes, fitted, level):

@@ -33,6 +33,7 @@ ABOVE = 1.0 + 1e-9  # ratio to a limit, from which a value is above it
 STICKY = 2e-3  # [m], sieve size below which clean grains may stick together, which the packings do not contain
 STICKY_SHARE = 0.01  # of the mass finer than STICKY, above which a remark is made
 TOO_WIDE = 2.0  # `span` over the widest of known error, above which predictions were 0.1 too low (sorted sands, docs)
+TOO_LOW = ", and the porosity is probably too low by more than the interval"
 WIDE_CLASS, WIDE_SHARE = 2.1, 0.05  # ratio of the bounds of a wide class, and share of the mass there that is remarked
 SHAKEN = 1.0  # [s], of the beds to which the model is fitted
 MORE_MASS = 0.01  # of one class, for the sensitivity to the curve
@@ -183,14 +184,16 @@ def bed_row(form, one_class, n, half, outside, refused, curve=None, model=None):
 def _beyond_porosities(curve, model):
     """Return why a bed has no porosity if its interval reaches outside (0, 1)."""
     causes = [] if curve is None else _outside_of_curve(curve, model)
-    return ": ".join(["its prediction interval reaches outside (0, 1)", *causes[:1]])
+    first = [text.partition(TOO_LOW)[0] for text in causes[:1]]
+    return ": ".join(["its prediction interval reaches outside (0, 1)", *first])
 
 
 def _outside_of_curve(curve, model):
     """Return remarks on what lies outside the SieveCurves of known error."""
     texts = []
     if (ratio := span(curve)) > model.widest * ABOVE:
-        low = ", and the porosity is probably too low" if ratio > TOO_WIDE * model.widest else ""
+        too_wide = ratio > TOO_WIDE * model.widest
+        low = TOO_LOW if too_wide else ""
         texts.append(
             f"98 % of the mass spans {ratio:.3g} : 1 in size, errors are known up to {model.widest:.3g} : 1{low}"
         )

@@ -30,6 +30,9 @@ OTHER_BEDS = (
     "Measured gravels, and beds that are made in another way, differ from it by up to 0.03, and most are outside the "
     "interval."
 )
+MORE_OUTSIDE = (
+    "Outside the fitted range they can differ by more."  # docs/how_to/predict_from_a_sieve_curve.md, sorted sands
+)
 # The rule is in docs/appendices/size_and_form_plan.md, the beds in results/reference/form_by_size.csv.
 CHECK_BY_CLASS = "On two packed beds, forms by sieve class had a smaller error than the form of all grains together."
 
@@ -74,7 +77,7 @@ def describe(beds, table, forms=None, level=0.95, fitted=NO_MODELS) -> str:
         "",
         *_samples(table),
         "",
-        *_state(fitted, all_outside=bool((table.loc[table["refused"] == "", "outside"] != "").all())),
+        *_state(fitted, any_outside=bool((table["outside"] != "").any())),
         *_about_grains(beds, table, fitted),
     ]
     if len(beds) > 1:
@@ -129,8 +132,8 @@ def _describe_curve(bed, table, fitted):
     ]
 
 
-def _state(fitted, all_outside):
-    """Return the lines on the state of the packing; all_outside: whether all samples are outside the fitted range."""
+def _state(fitted, any_outside):
+    """Return the lines on the state of the packing; any_outside: whether a sample is outside the fitted range."""
     if fitted.curve is not None:
         return [
             "The porosity is that of beds that are made and measured like those to which the model was corrected; the",
@@ -144,7 +147,8 @@ def _state(fitted, all_outside):
     return [
         STATE,
         "The state of packing ranges from a bed that is shaken for eight seconds to one that is placed and not shaken.",
-        *([] if all_outside else [OTHER_BEDS]),
+        OTHER_BEDS,
+        *([MORE_OUTSIDE] if any_outside else []),
     ]
 
 

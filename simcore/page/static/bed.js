@@ -2,7 +2,7 @@
 const Bed = (() => {
   const { InputError, general } = Numbers;
   const { one_class: range, rhine, states, model, tail, in_gap: inGap, above, more_mass: moreMass, compaction } = DATA.curve;
-  const { sticky, sticky_share: stickyShare, too_wide: tooWide, wide_class: wideClass, wide_share: wideShare } = DATA.curve;
+  const { sticky, sticky_share: stickyShare, too_wide: tooWide, too_low: TOO_LOW, wide_class: wideClass, wide_share: wideShare } = DATA.curve;
   const CLASSES = DATA.curve.classes;
   const { CLASS_NAME, boundsOf } = SieveClasses;
   const RHINE = { ...rhine, forms: [] };
@@ -129,7 +129,7 @@ const Bed = (() => {
       ? `it is only partly within ${within} of the table of forms; let the classes of forms end at sieves of the curve`
       : "no class of the table of forms contains it; add its forms";
     throw new InputError(
-      `${curve.name}: the class ${general(low)} to ${general(high)} mm has mass, but ${lies}, or remove the column of classes`
+      `sieve curve ${curve.name}: the class ${general(low)} to ${general(high)} mm has mass, but ${lies}, or remove the column of classes`
     );
   }
 
@@ -178,7 +178,8 @@ const Bed = (() => {
 
   function bedOf(curve, n, half, oneClass, refused) {
     if (Number.isFinite(n) && !(n - half > 0 && half > 0 && n + half < 1)) {
-      refused = ["its prediction interval reaches outside (0, 1)", ...beyondOfCurve(curve).slice(0, 1)].join(": ");
+      const first = beyondOfCurve(curve).slice(0, 1).map((text) => text.split(TOO_LOW)[0]);
+      refused = ["its prediction interval reaches outside (0, 1)", ...first].join(": ");
       n = NaN;
     }
     return {
@@ -224,7 +225,7 @@ const Bed = (() => {
     const texts = [];
     const known = (limit) => `errors are known up to ${general(limit, 3)} : 1`;
     if (span(curve) > model.widest * above) {
-      const low = span(curve) > tooWide * model.widest ? ", and the porosity is probably too low" : "";
+      const low = span(curve) > tooWide * model.widest ? TOO_LOW : "";
       texts.push(`98 % of the mass spans ${general(span(curve), 3)} : 1 in size, ${known(model.widest)}${low}`);
     }
     const share = inWideClasses(curve);

@@ -22,7 +22,7 @@ const BedOutput = (() => {
       node(
         "p",
         `${DATA.curve.state} By its state of packing it is between ${number(bed.n_long_shaken)}, shaken for eight seconds, ` +
-          `and ${number(bed.n_not_shaken)}, placed and not shaken.${bed.outside ? "" : ` ${DATA.curve.other_beds}`}`
+          `and ${number(bed.n_not_shaken)}, placed and not shaken. ${DATA.curve.other_beds}${bed.outside ? ` ${DATA.curve.more_outside}` : ""}`
       ),
       node(
         "p",

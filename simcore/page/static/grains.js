@@ -418,5 +418,5 @@ const Grains = (() => {
 
   const sum = (values) => values.reduce((total, value) => total + value, 0);
 
-  return { read, isOneForm, withEquancy };
+  return { read, isOneForm, meansCovariance, withEquancy };
 })();

@@ -272,15 +272,14 @@ const Page = (() => {
 
   // stated: the sentence on the error of few grains, or "".
   function caveats(sample, stated, ofCurve = false) {
-    const few = DATA.reading.few_grains;
     const texts = [];
     if (ofCurve) {
       texts.push("The grains do not stick to each other, and water has neither sorted the bed into layers nor washed out its fines.");
     }
     if (sample === Bed.RHINE) texts.push(`The grains are not measured; their form is taken as ${sample.name}.`);
     else if (!sample.grains) texts.push("If only means and deviations are given, FL and EL are assumed independent.");
-    if (sample.grains > 1 && sample.grains < few) {
-      texts.push(`Fewer than ${few} grains do not determine the spread of form well.`);
+    for (const { grains, words } of DATA.reading.few_grains) {
+      if (sample.grains > 1 && sample.grains < grains) texts.push(`Fewer than ${grains} grains ${words}.`);
     }
     if (stated && sample !== Bed.RHINE && !Grains.isOneForm(sample)) texts.push(stated);
     if (sample.mu_EQ > 1 / DATA.nearly_round.least_ratio) texts.push(DATA.nearly_round.text);

@@ -2,7 +2,7 @@
 const Prediction = (() => {
   const { general } = Numbers;
   const { near, far, widening } = DATA.rule;
-  const { statistics: STATISTICS, relative_step: RELATIVE_STEP, quantiles, fewest, without } = DATA.few_grains;
+  const { statistics: STATISTICS, relative_step: RELATIVE_STEP, quantiles, fewest, without, rhine } = DATA.few_grains;
 
   // Each takes (sample, features, case, level) and returns the rows of the models that suit the sample.
   const PREDICTORS = [predictOurs, predictR22];
@@ -98,7 +98,8 @@ const Prediction = (() => {
   // simcore.models.few_grains does: NaN if it is unknown, 0 for one form, unless this is the form of a single grain.
   function fewGrainsError(model, sample) {
     if (Grains.isOneForm(sample)) return sample.grains === 1 ? NaN : 0;
-    if (!sample.covariance) return NaN;
+    const covariance = hasFew(sample) ? covarianceOfFew(sample) : sample.covariance;
+    if (!covariance) return NaN;
     const slopes = STATISTICS.map((key) => {
       const [high, low] = [1, -1].map((sign) => {
         const features = featuresOf({ ...sample, [key]: sample[key] * (1 + sign * RELATIVE_STEP) });
@@ -106,19 +107,27 @@ const Prediction = (() => {
       });
       return sample[key] > 0 ? (high - low) / (2 * RELATIVE_STEP * sample[key]) : 0;
     });
-    return Math.sqrt(dot(slopes, sample.covariance.map((line) => dot(line, slopes))));
+    return Math.sqrt(dot(slopes, covariance.map((line) => dot(line, slopes))));
+  }
+
+  // Whether the grains are too few to determine their deviations, but more than one.
+  const hasFew = (sample) => sample.grains > 1 && sample.grains < fewest && !Grains.isOneForm(sample);
+
+  // The covariance of the errors of the statistics, by the deviations of the Rhine's gravel.
+  function covarianceOfFew({ mu_FL, mu_EL, grains }) {
+    return Grains.meansCovariance({ ...Grains.withEquancy(mu_FL, rhine.sigma_FL, mu_EL, rhine.sigma_EL), grains });
   }
 
   function fewGrainsHalf(sample, error, level) {
     if (!(error > 0)) return 0;
     const all = quantiles[general(level)];
-    return error * all[Math.min(Math.max(sample.grains - 1, 1), all.length) - 1];
+    return error * (hasFew(sample) ? all.at(-1) : all[Math.min(Math.max(sample.grains - 1, 1), all.length) - 1]);
   }
 
   // Returns the sentence on the error of few grains; error: NaN if it is unknown. what: that has the error. number: writes
   // a porosity.
   function describeFewGrains(error, what, number) {
-    const known = `it is known if each of at least ${fewest} grains has a row, or if a column \`grains\` has their number`;
+    const known = "it is known if each grain has a row, or if a column `grains` has their number";
     if (Number.isNaN(error)) return `${without}; ${known}.`;
     const size = error < 5e-4 ? `less than ${number(1e-3)}` : number(error);
     return `Because only some grains were measured, ${what} has a standard error of ${size}, which the interval contains.`;

@@ -40,6 +40,9 @@ const SieveClasses = (() => {
     if (!match && DATE.test(label)) {
       throw new InputError(`${is}; a spreadsheet took the class for a date: format the column as text, and enter it`);
     }
+    if (!match && PAN.test(label)) {
+      throw new InputError(`${is}; write it with the finest sieve, such as '${unitOfColumn ? "< 2" : "< 2 mm"}'`);
+    }
     if (!match) {
       const [both, open] = unitOfColumn ? ["8-11.2", "> 63"] : ["8-11.2 mm", "> 63 mm"];
       throw new InputError(

@@ -5,13 +5,14 @@ const SieveColumns = (() => {
   const WORDS = Object.fromEntries(Object.entries(lists).map(([key, values]) => [key, new Set(values)]));
   const BRACKETS = new RegExp(patterns.brackets, "u");
   const TRAILING = new RegExp(patterns.trailing, "iu");
-  const [PHI, PERCENT, FRACTION] = ["phi", "%", "1"];
+  const [PHI, PSI, PERCENT, FRACTION] = ["phi", "psi", "%", "1"];
   const OPENING = "opening";
   const [RETAINED, PASSING, CUMULATIVE] = ["retained", "passing", "cumulative retained"];
-  const UNITS = new Set([...Object.keys(lengths), ...Object.keys(masses), PHI, PERCENT, FRACTION]);
-  const OPENING_UNITS = [...Object.keys(lengths), PHI].join(", ");
+  const UNITS = new Set([...Object.keys(lengths), ...Object.keys(masses), PHI, PSI, PERCENT, FRACTION]);
+  const OPENING_UNITS = [...Object.keys(lengths), PHI, PSI].join(", ");
 
   const isLength = (unit) => unit !== null && unit in lengths;
+  const isLogarithm = (unit) => unit === PHI || unit === PSI;
   const isMass = (unit) => unit !== null && unit in masses;
   const have = (words, key) => [...words].some((word) => WORDS[key].has(word));
 
@@ -20,14 +21,15 @@ const SieveColumns = (() => {
   // amounts as {position, meaning, unit}.
   function recognise(name, { header, rows }, classes) {
     const [openings, amounts] = [[], []];
+    const gross = header.find(hasMassOfSieve);
     header.forEach((title, position) => {
+      if (gross !== undefined && mayBeMassOfSieve(title)) return;
       const { meaning, unit } = position === classes ? { meaning: OPENING, unit: null } : meaningOf(name, title);
       if (meaning === OPENING) openings.push({ position, unit });
       else if (meaning !== null) amounts.push({ position, meaning, unit });
     });
     const titles = header.map((title) => title || "(no name)");
     if (!openings.length) throw new InputError(`${name}: none of the columns (${titles.join(", ")}) has sieve openings; ${needed}`);
-    const gross = header.find(hasMassOfSieve);
     if (!amounts.length && gross !== undefined) {
       throw new InputError(
         `${name}: the column ${gross} has the mass of the sieve in it; give the mass of the grains, which is the ` +
@@ -77,6 +79,14 @@ const SieveColumns = (() => {
     return have(words, "gross") || both || alone;
   }
 
+  // Returns whether a title, such as "sieve mass [g]", means the mass of the sieves beside one with grains on them.
+  function mayBeMassOfSieve(title) {
+    const [text, unit] = splitUnit(title);
+    const words = plainWords(text);
+    const only = [...words].every((word) => WORDS.sieve.has(word) || WORDS.mass.has(word));
+    return (have(words, "mass") || isMass(knownUnit(unit ?? ""))) && only && have(words, "sieve");
+  }
+
   // Returns the title without its unit, and the text of the unit or undefined.
   function splitUnit(title) {
     const match = BRACKETS.exec(title) ?? TRAILING.exec(title);
@@ -97,7 +107,7 @@ const SieveColumns = (() => {
   function split(name, title) {
     const text = title.toLowerCase();
     const bare = knownUnit(text);
-    if (bare === PHI) return [new Set([PHI]), PHI];
+    if (isLogarithm(bare)) return [new Set([bare]), bare];
     if (isLength(bare)) return [new Set([OPENING]), bare];
     if (isMass(bare) || bare === PERCENT) return [new Set(["retained"]), bare];
     const match = BRACKETS.exec(title) ?? TRAILING.exec(title);
@@ -131,7 +141,7 @@ const SieveColumns = (() => {
     } else if (retained) meaning = RETAINED;
     else if (have(words, "opening")) meaning = OPENING;
     else return { meaning: null, unit };
-    const ofLength = isLength(unit) || unit === PHI;
+    const ofLength = isLength(unit) || isLogarithm(unit);
     if (meaning === OPENING && unit !== null && !ofLength) {
       throw new InputError(
         `${name}: the column ${title} is in ${unit}, but sieve openings are a length; correct its name`
@@ -147,6 +157,6 @@ const SieveColumns = (() => {
 
   return {
     PHI, PERCENT, FRACTION, OPENING, RETAINED, PASSING, CUMULATIVE, OPENING_UNITS,
-    countsGrains, isLength, isMass, knownUnit, meaningOf, recognise, splitUnit, unitInName,
+    countsGrains, isLength, isLogarithm, isMass, knownUnit, meaningOf, recognise, splitUnit, unitInName,
   };
 })();

@@ -46,6 +46,10 @@ const SieveOpenings = (() => {
     const signs = (values) => values.slice(1).map((value, i) => Math.sign(value - values[i]));
     const inOrder = (values) => signs(values).every((sign, _, all) => sign && sign === all[0]);
     if (inOrder(sizes)) return;
+    const repeats = sizes.every((size, i) => sizes.some((other, k) => other === size && k !== i)) && new Set(sizes).size > 1;
+    const advice = repeats
+      ? "a table has one sieve curve, so that each sample needs its own file"
+      : "order the sieves from coarse to fine or from fine to coarse, each once";
     const alone = sizes.flatMap((_, i) => (inOrder(sizes.filter((_, k) => k !== i)) ? [i] : []));
     let [i] = alone;
     let fault = "is out of the order of the other sieves; ";
@@ -59,8 +63,7 @@ const SieveOpenings = (() => {
       fault = `follows ${general(sizes[i - 1])} mm; `;
     }
     throw new InputError(
-      `${name}, row ${sieves[i].row}: the opening ${general(sizes[i])} mm ${fault}order the sieves from coarse to fine or ` +
-        "from fine to coarse, each once"
+      `${name}, row ${sieves[i].row}: the opening ${general(sizes[i])} mm ${fault}${advice}`
     );
   }
 
@@ -82,20 +85,18 @@ const SieveOpenings = (() => {
       );
     }
     let unit = unitOfColumn;
-    if (unit === null) {
-      const match = WITH_UNIT.exec(text);
-      unit = match ? SieveColumns.knownUnit(match[2]) : null;
-      if (match && unit === null) {
-        throw new InputError(`${where}: ${title} is '${text}'; its unit is unknown; use ${OPENING_UNITS}`);
-      }
-      if (unit === null) {
-        throw new InputError(
-          `${where}: ${title} is '${text}', without a unit; write it as in the other rows, or for all rows in the ` +
-            `header, such as \`${title} [mm]\``
-        );
-      }
-      text = match[1];
+    const match = WITH_UNIT.exec(text);
+    const own = match ? SieveColumns.knownUnit(match[2]) : null;
+    if (unit === null && match && own === null) {
+      throw new InputError(`${where}: ${title} is '${text}'; its unit is unknown; use ${OPENING_UNITS}`);
     }
+    if (unit === null && own === null) {
+      throw new InputError(
+        `${where}: ${title} is '${text}', without a unit; write it as in the other rows, or for all rows in the ` +
+          `header, such as \`${title} [mm]\``
+      );
+    }
+    if (match && (unit === null || SieveColumns.isLogarithm(own) || SieveColumns.isLength(own))) [unit, text] = [own, match[1]];
     if (/^(?:no|nr|#)/i.test(text)) {
       throw new InputError(`${where}: ${title} is '${text}', a number of a sieve; give its opening instead, in mm`);
     }
@@ -106,20 +107,22 @@ const SieveOpenings = (() => {
       );
     }
     const value = Numbers.read(where, title, text);
-    if (unit === PHI) {
+    if (SieveColumns.isLogarithm(unit)) {
       if (Math.abs(value) > 20) {
         throw new InputError(
-          `${where}: ${title} = ${general(value)} phi is no sieve; phi is -log2 of the opening in mm`
+          `${where}: ${title} = ${general(value)} ${unit} is no sieve; ${unit} is ${unit === PHI ? "-" : ""}log2 of the ` +
+            "opening in mm"
         );
       }
-      return 2 ** -value;
+      return 2 ** (unit === PHI ? -value : value);
     }
     if (!SieveColumns.isLength(unit)) {
       throw new InputError(`${where}: ${title} is in ${unit}, which is not a length; use ${OPENING_UNITS}`);
     }
     if (value < 0) {
       throw new InputError(
-        `${where}: the opening ${title} = ${general(value)} ${unit} is negative; write [phi] if it is in phi`
+        `${where}: the opening ${title} = ${general(value)} ${unit} is negative; write [phi] if it is in phi, or \`pan\` ` +
+          `if the row has what passes ${general(-value)} ${unit}`
       );
     }
     return unit === "mm" ? value : value * rules.lengths[unit] * 1e3;

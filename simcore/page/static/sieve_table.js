@@ -8,14 +8,24 @@ const SieveTable = (() => {
   const percent = (share) => `${(100 * share).toFixed(1)}%`;
   const sum = (values) => values.reduce((total, value) => total + value, 0);
 
+  // An error also has the notices, such as a title that was left out.
+  function recognise(name, file) {
+    try {
+      const given = SieveClasses.withJoinedBounds(name, file);
+      const [table, classes] = SieveClasses.withLowerSieves(name, given);
+      return { given, table, classes, recognised: SieveColumns.recognise(name, table, classes) };
+    } catch (error) {
+      if (!(error instanceof InputError)) throw error;
+      throw new InputError([error.message, ...file.notices].join("; "));
+    }
+  }
+
   // Returns {openings, passing, notices}: ascending openings [mm] and the share of the mass that passes each. coarsest:
   // size of the coarsest grains [mm] or null.
   function read(name, text, coarsest = null, notes = []) {
     const file = Table.read(name, text, [...notes]);
     if (!file.header.length) throw new InputError(`${name}: the file is empty; ${rules.needed}`);
-    const given = SieveClasses.withJoinedBounds(name, file);
-    const [table, classes] = SieveClasses.withLowerSieves(name, given);
-    const recognised = SieveColumns.recognise(name, table, classes);
+    const { given, table, classes, recognised } = recognise(name, file);
     const columns = classes === null ? recognised : SieveClasses.retainedOnly(name, recognised);
     const notices = [...table.notices];
     const [rows, labels] = leaveOutTotals(table.rows, columns, notices);
@@ -24,8 +34,8 @@ const SieveTable = (() => {
     const kept = new Set(rows.map(({ row }) => row));
     const written = given.rows.filter(({ row }) => kept.has(row)); // classes as they were before withLowerSieves
     Numbers.checkDecimalMarks(name, used.map((position) => [position, given.header[position]]), written);
-    const sieves = SieveOpenings.read(name, table.header, rows, columns);
     checkSamples(name, table, used);
+    const sieves = SieveOpenings.read(name, table.header, rows, columns);
     let doubts = [];
     const results = columns.amounts.map((column) => {
       const title = table.header[column.position];
@@ -255,8 +265,9 @@ const SieveTable = (() => {
     const whole = WHOLE[column.unit];
     if (whole !== undefined && Math.abs(total / whole - 1) > rules.rounding) {
       throw new InputError(
-        `${name}: ${title} sums to ${general(total, 4)}, not to ${general(whole)}; add what is missing, such as a row ` +
-          "`pan`, or correct the values; cumulative values need a name such as `passing [%]` or `cumulative retained [%]`"
+        `${name}: ${title} sums to ${general(total, 4)}, not to ${general(whole)}; ` +
+          (total < whole ? "add what is missing, such as a row `pan`, or " : "") +
+          "correct the values; cumulative values need a name such as `passing [%]` or `cumulative retained [%]`"
       );
     }
     if (whole !== undefined && Math.abs(total / whole - 1) > 1e-9) {
@@ -316,7 +327,8 @@ const SieveTable = (() => {
     const [low, high] = [sieves[used - 1], sieves[used]];
     throw new InputError(
       `${name}: all of the mass is between ${low} and ${high}; at least two size classes with mass are needed. The ` +
-        `porosity of a single class is that of --case one-class. To pack it, write \`sizes: {bounds: [${low}, ${high}], mass_fractions: [1]}\` in a specification`
+        "porosity of a single class is that of --case one-class, and that of the name U1 in a column of sieve curves. To " +
+        `pack it, write \`sizes: {bounds: [${low}, ${high}], mass_fractions: [1]}\` in a specification`
     );
   }
 

@@ -142,8 +142,9 @@ const Table = (() => {
       row: i + 1,
       cells: row.map((text) => text.trim().split(/\s+/).join(" ")),
     }));
-    const filled = clean.filter(({ cells: texts }) => texts.some((text) => text));
-    if (!filled.length) return { header: [], rows: [], notices };
+    const withText = clean.filter(({ cells: texts }) => texts.some((text) => text));
+    if (!withText.length) return { header: [], rows: [], notices };
+    const filled = withText.slice(TableHead.commentsAbove(withText.map(({ cells: texts }) => texts)));
     const { width } = TableHead;
     const above = TableHead.rowsAbove(filled.map(({ cells: texts }) => texts));
     if (above) {
@@ -177,6 +178,10 @@ const Table = (() => {
     if (joined) {
       notices = [...notices, `row ${rows[0].row} has the units of the columns`];
       [names, rows] = [joined, rows.slice(1)];
+    } else if (!above && rows.length && TableHead.mayBeNames(rows[0].cells)) {
+      notices = [
+        ...notices, `row ${rows[0].row} has no numbers; if row ${filled[0].row} is a title above the columns, remove it`,
+      ];
     }
     const kept = [...Array(columns).keys()].filter((i) => names[i] || rows.some(({ cells: texts }) => texts[i]));
     const pick = (texts) => kept.map((i) => texts[i] ?? "");

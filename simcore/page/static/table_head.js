@@ -14,6 +14,13 @@ const TableHead = (() => {
     return texts[0] && /^#\s*[^\d\s]/.test(text) && !isValue ? text : "";
   }
 
+  // Returns how many of the first rows are comments; one above a row with numbers has the names of the columns.
+  function commentsAbove(rows) {
+    const isComment = (texts, i) => commentOf(texts) && i + 1 < rows.length && !rows[i + 1].some((text) => NUMBER.test(text));
+    const other = rows.findIndex((texts, i) => !isComment(texts, i));
+    return Math.max(other, 0);
+  }
+
   // Returns how many rows are a title above the names of the columns; rows: texts of each row, without empty rows.
   function rowsAbove(rows) {
     let above = 0;
@@ -25,6 +32,9 @@ const TableHead = (() => {
     }
     return above;
   }
+
+  // Returns whether the cells of a row may be names of columns: at least two, without numbers.
+  const mayBeNames = (texts) => texts.filter((text) => text).length > 1 && !texts.some((text) => NUMBER.test(text));
 
   // Returns the names of columns with the units in the row below them, or null if it is not a row of units.
   function joinUnits(names, texts) {
@@ -38,5 +48,5 @@ const TableHead = (() => {
     });
   }
 
-  return { commentOf, joinUnits, rowsAbove, width };
+  return { commentOf, commentsAbove, joinUnits, mayBeNames, rowsAbove, width };
 })();

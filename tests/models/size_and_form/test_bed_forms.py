@@ -175,7 +175,7 @@ def test_any_column_names_the_samples(write, tmp_path):
             "sample,class [mm],FL,EL",
             ["a,0-8,0.6,0.7", "a,0-8,0.6,0.8"],
             ["--sieve", "U7"],
-            "sample a: U7: the class 8 to 11.2 mm",
+            "sample a: sieve curve U7: the class 8 to 11.2 mm",
         ),
     ],
 )

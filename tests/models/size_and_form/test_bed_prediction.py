@@ -25,6 +25,7 @@ from simcore.models.size_and_form.bed_prediction import (
     sensitivity,
     states,
 )
+from simcore.models.size_and_form.bed_prediction_text import MORE_OUTSIDE
 from simcore.models.size_and_form.sized_model import current_model, unfitted_model
 from simcore.paths import REFERENCE, ROOT
 from simcore.scene.sizes import all_cases
@@ -271,9 +272,36 @@ def test_pack_writes_the_bed_that_checks_the_prediction(tmp_path, capsys):
     assert sum(specification["sizes"]["mass_fractions"]) == pytest.approx(1.0)
 
 
+def test_the_prediction_is_printed_if_no_bed_of_it_can_be_packed(tmp_path, capsys):
+    wide = tmp_path / "wide.csv"
+    wide.write_text("opening [mm],passing [%]\n64,100\n16,50\n4,20\n1,10\n0.25,3\n0.0625,0\n")
+    assert main(["predict", "--sieve", str(wide), "--pack", str(tmp_path / "bed.yaml")]) == 2
+    captured = capsys.readouterr()
+    assert "more than can be packed" in captured.err and "probably too low by more than the interval" in captured.out
+    assert MORE_OUTSIDE in captured.out and not (tmp_path / "bed.yaml").exists()
+
+
+def test_the_function_has_the_ends_and_the_notices_of_the_command(tmp_path, caplog, capsys):
+    curve = tmp_path / "curve.csv"
+    curve.write_text("class [mm],mass [g]\n< 2,10\n2-8,60\n8-16,30\n")
+    with pytest.raises(ValueError, match="pass the finest sieve, 2 mm; give the size of the finest"):
+        simcore.predict(curve=curve)
+    table = simcore.predict(curve=curve, finest=1e-3)
+    assert "the form is that of the Rhine's gravel" in caplog.text
+    main(["predict", "--sieve", str(curve), "--finest", "1 mm"])
+    assert f"{table.n[0]:.3f}" in capsys.readouterr().out
+    with pytest.raises(ValueError, match="finest and coarsest are sizes for a sieve curve"):
+        simcore.predict(EXAMPLES / "grains.csv", "U7", finest=1e-3)
+
+
 @pytest.mark.parametrize(
     "arguments, fault",
     [
+        (["--sieve", str(CURVE), "--finest", "2"], "--finest: '2' has no unit; give one such as '90 mm'"),
+        (
+            [str(EXAMPLES / "grains.csv"), "--case", "U5"],
+            "U7, one-class; or use predict --sieve U5",
+        ),
         (["--case", "U7"], "give the table of measured grains, FORMS.csv, or a sieve curve with --sieve"),
         (["--case", "U7", "--finest", "2 mm"], "--finest needs a sieve curve; give --sieve CURVE.csv instead of"),
         (["--sieve", str(CURVE), "--level", "95"], "level 95: give a number between 0 and 1"),
