@@ -2,9 +2,9 @@
 
     python -m benchmarks.studies.thrown_beds U5 --seed 2 3 --steps 10 11 > results/reference/thrown_beds.csv
 
-SCENES has the four specifications: U7 of the form G26, 4 kg in a box of 0.1 m with patch contacts; a mixture of 1200
-flat grains with point contacts; U5, 1.4 kg in a box of 70 mm, with point contacts; and U7, 1.5 kg of grains of 50 faces
-in a cylinder of 104 mm, with patch contacts. It prints one CSV row per packing: scene, seed, steps per contact time,
+SCENES has the five specifications: U7 of the form G26, 4 kg in a box of 0.1 m with patch contacts; a mixture of 1200
+flat grains with point contacts; U5, 1.4 kg in a box of 70 mm, with point contacts; U7, 1.5 kg of grains of 50 faces in
+a cylinder of 104 mm, with patch contacts; and B30, 3 kg of grains of 300 faces in the same cylinder (seed 2). It prints one CSV row per packing: scene, seed, steps per contact time,
 number of expected steps, outcome (rest, or stopped with the message), simulated time and CPU time. A packing takes from
 minutes (mixture, U5) to an hour (U7 in a box) of CPU time.
 """
@@ -63,6 +63,16 @@ SCENES = {
         "amount": {"mass": "1.5 kg"},
         "sizes": {"case": "U7", "allow_few_top_grains": True},
         "shaking": {"duration": "2 s"},
+        "numerics": {"contact_time": "0.2 ms", "polyhedron_contact": "patch"},
+    },
+    "B30": {
+        **CAMPAIGN,
+        "name": "B30",
+        "faces": 300,
+        "domain": {"type": "cylinder", "width": "0.104 m", "height": "1 m"},
+        "amount": {"mass": "3 kg"},
+        "sizes": {"case": "B30", "allow_few_top_grains": True},
+        "shaking": {"duration": "1 s"},
         "numerics": {"contact_time": "0.2 ms", "polyhedron_contact": "patch"},
     },
 }
