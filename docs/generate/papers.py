@@ -16,8 +16,12 @@ from simcore.campaign.deposit_findings import findings
 from simcore.campaign.deposits import curve, read_deposits
 from simcore.evaluation.rounding import with_decimals
 from simcore.grains.form import FORM_FACTORS
+from simcore.grains.form import features as form_features
 from simcore.grains.sieve import read_cases
 from simcore.grains.statistics import STATISTICS
+from simcore.models.regression import fit
+from simcore.models.single_form import SINGLE_FORM
+from simcore.models.tables import over_seeds
 from simcore.paths import CONFIG, REFERENCE
 from simcore.reference.committed_rows import fitted_forms, read_mixtures
 from simcore.reference.r22_comparison import add_reference
@@ -202,15 +206,17 @@ def _validation():
 def _single(case):
     forms = fitted_forms(_rows("single_form"))
     rows = forms[(forms["case"] == case) & (forms["source"] == "synthetic") & (forms["representation"] == "polyhedron")]
-    covariance = _rows("models/covariance").query("model == 'single_form' and case == @case")
-    matrix = covariance.pivot(index="term", columns="with_term", values="covariance")
+    beds = over_seeds(rows, "grain")
+    features = form_features(*(beds[axis].to_numpy() for axis in "LIS"))[list(SINGLE_FORM)]
+    model = fit(features, beds["n"].to_numpy(), "single_form", case)
     FL, EL = rhine_statistics()[["mu_FL", "mu_EL"]]
-    terms = pd.Series({"intercept": 1.0, "EQ_inv": 1 / (FL * EL), "EL_inv": 1 / EL})
-    of_form = terms[matrix.index].to_numpy()
-    error = float(np.sqrt(of_form @ matrix[matrix.index].to_numpy() @ of_form))
+    of_form = np.array([1.0, 1 / (FL * EL), 1 / EL])  # the intercept and the features of SINGLE_FORM
+    error = float(np.sqrt(of_form @ np.array(model.covariance) @ of_form))
     mean = _rows("models/single_form_mean_form").query("case == @case and source == 'synthetic'").iloc[0]
     size = f"{rows['grain'].nunique()} of 63 forms, {len(rows)} packings of {rows['grains'].median():.0f} grains"
-    return size, f"at the mean form {_apart(mean.n - mean.r22_n, np.hypot(error, ROUNDING))}"
+    # Without several classes there is no chance in the masses of the classes.
+    note = "" if case == "U1" else "; all forms share one draw of sizes, and ± does not contain its chance"
+    return size, f"at the mean form {_apart(mean.n - mean.r22_n, np.hypot(error, ROUNDING))}{note}"
 
 
 def _correlation():

@@ -78,10 +78,11 @@ def _described(path, entry):
 
 @functools.cache
 def commands():
-    """Return the command that made the rows of each table that a campaign gathers, from collected.csv."""
+    """Return the commands that made the rows of each table that a campaign gathers, from collected.csv."""
     collected = pd.read_csv(REFERENCE / "collected.csv").dropna(subset="command")
     made = {}
     for row in collected.itertuples():
-        files = row.command.removeprefix("snakemake --configfile ")
-        made.setdefault(row.table, f"snakemake --cores 1 --configfile {files} -- collect")
-    return made
+        for command in row.command.split("; "):
+            text = f"{command.replace('snakemake', 'snakemake --cores 1', 1)} -- collect"
+            made.setdefault(row.table, {})[text] = None
+    return {table: "; ".join(texts) for table, texts in made.items()}

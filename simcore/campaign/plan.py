@@ -15,7 +15,7 @@ import pandas as pd
 from simcore.campaign import deposits
 from simcore.campaign.biases import bias_effects, measured_biases
 from simcore.campaign.gathering import SHOWN_TABLES, not_gathered, table_of
-from simcore.campaign.plan_checks import check_beds, check_names, check_shared_tables, check_sources
+from simcore.campaign.plan_checks import check_beds, check_committed, check_names, check_shared_tables, check_sources
 from simcore.campaign.studies import expand, study_title
 from simcore.grains.sources import set_name, source_name
 from simcore.packing.cost import estimate
@@ -23,8 +23,8 @@ from simcore.paths import REFERENCE
 from simcore.scene.sizes import case_spacing, size_curve
 from simcore.scene.specification import resolve
 
-# simcore.models.regression.fewest_samples of the features of mixtures, without importing it for each job
-SMALLEST_MIXTURE_STUDY = 7
+# simcore.models.regression.fewest_samples of the features of each model, without importing it for each job
+SMALLEST_MIXTURE_STUDY, SMALLEST_SINGLE_FORM_STUDY = 7, 5
 
 
 def number_pieces(cpu_hours, seeds, max_hours):
@@ -94,12 +94,12 @@ class Plan:
     studies: names of the studies that are part of the target `all`. all_studies: names of all studies.
     """
 
-    def __init__(self, campaign, overlays=()):
+    def __init__(self, campaign, command="snakemake"):
         """Expand a resolved campaign. ValueError names the study and the wrong key.
 
-        overlays: paths of the configurations laid over config.yaml, for the command that reproduces the campaign.
+        command: that reproduces the campaign, without a target; see simcore.campaign.command_line.
         """
-        self.campaign = campaign
+        self.campaign, self.command = campaign, command
         cores = campaign["cores_per_node"]
         if cores is not None and campaign["threads"] > cores:
             raise ValueError(
@@ -107,7 +107,6 @@ class Plan:
                 "lower threads or raise cores_per_node"
             )
         self.results = campaign["pathvars"]["results"]
-        self.command = " ".join(["snakemake", *(["--configfile", *overlays] if overlays else [])])
         self.packings = _with_cost(expand(campaign), campaign)
         self.all_studies = list(self.packings.study.unique())
         self.studies = [name for name in self.all_studies if campaign["studies"][name]["in_all"]]
@@ -120,6 +119,7 @@ class Plan:
     def check(self):
         """Raise ValueError if the workflow cannot have these studies, or if a bed will be too low; see plan_checks."""
         check_names(self.all_studies)
+        check_committed(self.campaign["models"]["committed"], self.committed_cases())
         check_sources(self._grain_groups.values())
         check_shared_tables(self.packings)
         # Deposits are left out: their fabric is evaluated, with other cuts.
@@ -329,11 +329,37 @@ class Plan:
         packed = {specification["sizes"]["case"] for specification in single_forms.specification}
         return sorted(set(self.campaign["models"]["committed"]) - packed)
 
+    @staticmethod
+    def committed_cases():
+        """Return the cases of the committed rows of single forms, in their order."""
+        path = REFERENCE / "single_form.csv"
+        return list(pd.read_csv(path, usecols=["case"])["case"].unique()) if path.exists() else []
+
     @property
     def committed_single_forms(self):
         """Path of the committed rows of `cases_committed`; None if they are not needed or do not exist."""
         path = REFERENCE / "single_form.csv"
         return path if self.cases_committed and path.exists() else None
+
+    @property
+    def fits_single_forms(self):
+        """Whether the campaign has a study single_form and enough forms with one sieve curve for a model of them."""
+        studies = [study for study in self.studies if study.startswith("single_form")]
+        forms = self._grains_of_cases(*studies).groupby("case")["grain"].nunique()
+        return "single_form" in studies and forms.max() >= SMALLEST_SINGLE_FORM_STUDY
+
+    @property
+    def compares_ellipsoids(self):
+        """Whether the campaign packs polyhedra and equivalent ellipsoids of one grain with one sieve curve."""
+        studies = ("single_form", "equivalent_ellipsoids")
+        pairs = [set(map(tuple, self._grains_of_cases(study).to_numpy())) for study in studies]
+        return set(studies) <= set(self.studies) and bool(set.intersection(*pairs))
+
+    def _grains_of_cases(self, *studies):
+        """Return a DataFrame with the columns case and grain, one row per packing of these studies."""
+        specifications = self.of(*studies).specification
+        rows = [(each["sizes"]["case"], each["shapes"]["grain"]) for each in specifications]
+        return pd.DataFrame(rows, columns=["case", "grain"])
 
     @property
     def fits_mixtures(self):

@@ -30,8 +30,20 @@ def check_names(studies) -> None:
         of_study = _OF_STUDY.fullmatch(study)
         if study in rules or (of_study and of_study[1] in studies):
             raise ValueError(f"studies.{study}: a rule or a table of the workflow has this name; choose another name")
+        if study.lower() in ("null", "nan", "none", "na"):
+            raise ValueError(f"studies.{study}: tables would read this name as an empty cell; choose another name")
         if study.startswith(deposits.PREFIX):
             deposits.family(study)
+
+
+def check_committed(cases, available) -> None:
+    """Raise ValueError if one of the `cases`, whose models are to be fitted to committed rows, is not `available`."""
+    missing = [case for case in cases if case not in available]
+    if missing:
+        raise ValueError(
+            f"models.committed: there are no committed rows of {', '.join(missing)}; choose from "
+            f"{', '.join(available)}, or give an empty list"
+        )
 
 
 def check_sources(groups) -> None:

@@ -14,7 +14,7 @@ from simcore.grains.text_lists import join_first
 from simcore.reference.columns import COLUMN_OF_KEY
 from simcore.scene.identity import deciding_but_seed
 from simcore.scene.sizes import check_top_class
-from simcore.scene.specification import express, read_schema, resolve, with_presets
+from simcore.scene.specification import check_values, express, read_schema, resolve, with_presets
 from simcore.scene.unused import given_keys, is_shared, needed_settings, why_unused
 
 
@@ -40,6 +40,7 @@ def expand(config):
     check_source(config["grains"])
     if "grains" in config["packing"]:
         raise ValueError("packing.grains: move it one level up, to `grains`, or to the `fixes` of a study")
+    check_values(config["packing"], where="packing")  # also those that every study overrides
     tables = [expand_study(name, study, config) for name, study in config["studies"].items() if study]
     if not tables:
         raise ValueError("studies: there is no study; a campaign needs at least one")
@@ -265,7 +266,10 @@ def choose_form(specification, form, names):
     if form == 0:
         return specification
     if form > len(names):
-        raise ValueError(f"packing {specification['name']}: there is no form {form} of a set of {len(names)} grains")
+        raise ValueError(
+            f"packing {specification['name']}: there is no form {form} of a set of {len(names)} grains; "
+            f"give forms.spread: {len(names)}, or less"
+        )
     return {**specification, "shapes": {**specification["shapes"], "grain": names[form - 1]}}
 
 
@@ -318,7 +322,8 @@ def _fault(grains, spec, form, where):
     if names is None:
         return ""
     if form > len(names):
-        return f"{where}.forms.spread: there is no form {form} of a set of {len(names)} grains"
+        number = len(names)
+        return f"{where}.forms.spread: there is no form {form} of a set of {number} grains; give {number}, or less"
     grain = spec["shapes"]["grain"]
     if form or grain in names:
         return ""

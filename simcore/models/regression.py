@@ -15,7 +15,8 @@ from simcore.models.scatter import covariance_of, scatter_line, scatter_of
 log = logging.getLogger(__name__)
 
 FOLDS, REPEATS = 10, 10
-RESAMPLES = 2000  # of the bootstrap; the ends of its 95 % intervals then vary by 4 % of a standard error
+RESAMPLES = 2000  # of the bootstrap; the ends of its 95 % intervals of 63 beds then vary by a tenth of a standard error
+LEAST_FOR_BOOTSTRAP = 12  # samples; with six, resamples of nearly one form make its intervals meaningless
 DEPENDENT = 1e-7  # sine of the angle between a feature and the others, below which it may be only round-off
 CORRELATED = 0.8  # a second feature with |r| above this to the first is dropped (Rettinger et al. 2022)
 
@@ -151,13 +152,14 @@ class PorosityModel:
     """A fitted linear model n = b0 + b1 X1 + ...; arrays (m+1,) start with the intercept.
 
     lower, upper: 95 % confidence intervals by least squares; bootstrap_lower, bootstrap_upper: the same by the
-    bootstrap. covariance (m+1, m+1): of the coefficients. scatter: standard deviation of the samples about the model,
-    corrected for the degrees of freedom of the model; scatter_line: intercept and slope of the scatter over the first
-    feature, if it grows with it, else None (simcore.models.scatter); rmse: root mean square residual over the samples
-    of the fit. minimum, maximum (m,): of each feature over these samples. mean_absolute_error, median_absolute_error:
-    cross-validated errors, nan without cross-validation; form_mixture_error: the mean one over the beds with a
-    distribution of form, if there are others too, else None. degrees_of_freedom: of the scatter, if some coefficients
-    were not fitted to the samples (simcore.models.correction); None: n_samples minus the number of coefficients.
+    bootstrap, nan for fewer than LEAST_FOR_BOOTSTRAP samples. covariance (m+1, m+1): of the coefficients. scatter:
+    standard deviation of the samples about the model, corrected for the degrees of freedom of the model;
+    scatter_line: intercept and slope of the scatter over the first feature, if it grows with it, else None
+    (simcore.models.scatter); rmse: root mean square residual over the samples of the fit. minimum, maximum (m,): of
+    each feature over these samples. mean_absolute_error, median_absolute_error: cross-validated errors, nan without
+    cross-validation; form_mixture_error: the mean one over the beds with a distribution of form, if there are
+    others too, else None. degrees_of_freedom: of the scatter, if some coefficients were not fitted to the samples
+    (simcore.models.correction); None: n_samples minus the number of coefficients.
     """
 
     name: str
@@ -332,7 +334,9 @@ def fit(features, porosity, name="porosity", case="", seed=0):
     covariance = result.cov_params() if line is None else covariance_of(design, scatter_of(design, scatter, line))
     errors = np.sqrt(np.diag(covariance))
     half = student_quantile(0.95, result.df_resid) * errors
-    drawn_lower, drawn_upper = np.percentile(bootstrap(features, y, seed=seed), [2.5, 97.5], axis=0)
+    drawn_lower, drawn_upper = np.full((2, design.shape[1]), np.nan)
+    if len(y) >= LEAST_FOR_BOOTSTRAP:
+        drawn_lower, drawn_upper = np.percentile(bootstrap(features, y, seed=seed), [2.5, 97.5], axis=0)
     return PorosityModel(
         name=name,
         case=case,

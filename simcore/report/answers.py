@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from simcore.campaign.biases import SIZE
+from simcore.evaluation.confidence import student_quantile
 from simcore.evaluation.rounding import rounded
 from simcore.grains.sieve import read_cases
 from simcore.models.formulas import BEDS, formulas
@@ -169,10 +170,13 @@ def _in_short(tables):
         for case, terms in list(one_form_models(tables).items())[:1]:
             rhine = rhine_statistics()
             scatter = predict_form(terms, rhine["mu_FL"], rhine["mu_EL"])[1]
-            if np.isfinite(scatter):
+            beds = float(terms["samples"].iloc[0])
+            if np.isfinite(scatter) and beds > len(terms):
+                # The mean form is near the middle of the fitted forms, where only the error of their mean adds.
+                half = student_quantile(0.95, beds - len(terms)) * scatter * np.sqrt(1.0 + 1.0 / beds)
                 sentences.append(
                     f"About 95 % of new beds of one form, the mean one, and of the sieve curve {case}, poured and "
-                    f"shaken in the same way, have a porosity within {2.0 * scatter:.3f} of the model."
+                    f"shaken in the same way, have a porosity within {half:.3f} of the model."
                 )
     if "validation" in tables:
         rows = read_named_table(tables["validation"])

@@ -1,10 +1,14 @@
 """The report page of a finished campaign: all its tables and figures, from their files."""
 
+import os
 from pathlib import Path
+
+import pandas as pd
 
 from simcore.paths import R22_TABLES
 from simcore.reference.named_tables import read_named_table
 from simcore.report.answers import answer, by_stem, check, how_sure, replaced_by_ellipsoids, unseen
+from simcore.report.findings import OWN
 from simcore.report.page import Section, folded, is_picture, page, paragraph, picture, table
 from simcore.report.sections import (
     ANSWER,
@@ -88,11 +92,14 @@ def _own_sections(files, models, studies, captions):
 
 
 def _own_answer(models):
-    """Return the answer by this campaign's own packings, after a sentence that names them."""
+    """Return the answer by the models of this campaign, after a sentence that names their packings."""
     parts = answer(models)
-    return (
-        [paragraph("By the models that are fitted to the packings of this campaign:", "text"), *parts] if parts else []
-    )
+    if not parts:
+        return []
+    rows = read_named_table(models["single_form"]) if "single_form" in models else pd.DataFrame()
+    committed = list(rows.loc[rows["packed_by"] != OWN, "case"].unique()) if "packed_by" in rows else []
+    others = f", for {' and '.join(committed)} to committed packings" if committed else ""
+    return [paragraph(f"By the models that are fitted to the packings of this campaign{others}:", "text"), *parts]
 
 
 def _named_models(paths):
@@ -147,7 +154,7 @@ def _remarks(committed, own):
         return {}
     text = (
         "A narrow cylinder with few grains is looser at its wall. In the cylinder of Rettinger et al. with 3 kg, the "
-        f"same comparison gives {percent.min():+.1f} to {percent.max():+.1f} % (committed packings, above)."
+        f"same comparison gives {percent.min():+.1f} to {percent.max():+.1f} % (committed packings)."
     )
     return {"validation": [text.replace("-", "−")]}
 
@@ -174,7 +181,9 @@ def _grain_sections(files, captions):
     parts = [*_shown(picture, files.grain_figures, captions), *_shown(table, files.grain_tables, captions)]
     if parts:
         parts.insert(0, paragraph(GRAINS, "text"))
-        definitions = table(R22_TABLES / "form_factors.csv", "Form factors of a grain.", name="r22/form_factors")
+        definitions = table(
+            Path(os.path.relpath(R22_TABLES)) / "form_factors.csv", "Form factors of a grain.", name="r22/form_factors"
+        )
         parts.append(folded("Definitions of the form factors", [definitions]))
     return [Section("Grains", parts)] if parts else []
 

@@ -7,6 +7,8 @@ from simcore.campaign.study_tables import mark
 from simcore.models.files import models_dataset
 from simcore.report.figures.saving import save_figure
 
+OWN = "this campaign"  # in the column packed_by of tables of models
+
 
 class Findings(NamedTuple):
     """Tables and figures by name, and models by (name, case)."""

@@ -15,7 +15,7 @@ from simcore.reference.r22_comparison import add_reference
 from simcore.reference.r22_tables import read_r22_table, rhine_statistics
 from simcore.report.figures.models import form_figure, prediction_figure, shape_kind_figure
 from simcore.report.figures.zingg import form_sets_figure, porosity_zingg_figure
-from simcore.report.findings import Findings
+from simcore.report.findings import OWN, Findings
 
 
 def single_form_findings(packings, committed, seed, folds) -> Findings:
@@ -38,7 +38,7 @@ def single_form_findings(packings, committed, seed, folds) -> Findings:
     )
     own = set(packings.case)
     for table in tables.values():
-        table["packed_by"] = ["this campaign" if case in own else "committed rows" for case in table.case]
+        table["packed_by"] = [OWN if case in own else "committed rows" for case in table.case]
     shown = {case: model for (name, case), model in models.items() if name == "single_form" and case in own}
     beds = over_seeds(packings, "grain")
     compared = pd.concat([beds[["case", "n", "n_std_error", "r22_n"]], form_features(beds.L, beds.I, beds.S)], axis=1)

@@ -23,8 +23,8 @@ _NOT_VARIED = {"study", "source", "seed", "packing"}
 def outcome(table, missing="The table has no porosities."):
     """Return the sentences on a study, a list of str.
 
-    table: a study's table of means with values of Rettinger et al., as from r22_tables.add_reference, or the pairs of
-    polyhedra and ellipsoids from shape_kinds.pair_shape_kinds.
+    table: a study's table of means with values of Rettinger et al., as from r22_comparison.add_reference, or the pairs
+    of polyhedra and ellipsoids from shape_kinds.pair_shape_kinds.
     """
     if "n_mesh" in table:
         return _pairs(table)

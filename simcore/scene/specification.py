@@ -49,6 +49,21 @@ def resolve(raw, schema="packing", where="", unused="keep"):
     return resolved
 
 
+def check_values(raw, schema="packing", where=""):
+    """Raise ValueError if a given key is unknown, or a value has another type or unit; keys may be missing.
+
+    Arguments: as in `resolve`. Bounds and rules between keys are not checked.
+    """
+    _convert(raw, _optional(read_schema(schema)), where)
+
+
+def _optional(schema):
+    """Return a schema without its required keys."""
+    properties = {key: _optional(node) for key, node in schema.get("properties", {}).items()}
+    rest = {key: value for key, value in schema.items() if key != "required"}
+    return {**rest, "properties": properties} if properties else rest
+
+
 def express(resolved, schema="packing"):
     """Return a resolved specification as a nested dict for YAML, with quantities as text; the inverse of `resolve`."""
     return _express(resolved, read_schema(schema))

@@ -11,6 +11,7 @@ import trimesh
 
 from simcore.campaign.plan import (
     SMALLEST_MIXTURE_STUDY,
+    SMALLEST_SINGLE_FORM_STUDY,
     Plan,
     describe_studies,
     estimate_studies,
@@ -21,6 +22,7 @@ from simcore.campaign.plan_checks import check_shared_tables
 from simcore.evaluation.interval import campaign_cut
 from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import fewest_samples
+from simcore.models.single_form import SINGLE_FORM
 from simcore.packing.cost import PackingCost, estimate
 from simcore.scene.identity import result_digest
 from simcore.scene.sizes import all_cases
@@ -44,13 +46,13 @@ CAMPAIGN = {
 }
 
 
-def plan_of(tmp_path=None, overlays=(), **changes):
+def plan_of(tmp_path=None, **changes):
     """Return the Plan of CAMPAIGN with some of its groups changed."""
     raw = copy.deepcopy(CAMPAIGN) | changes
     raw["pathvars"] = {"results": str(tmp_path or "results")}
     if tmp_path is not None:
         raw["reference"] = str(tmp_path / "rows")
-    return Plan(resolve(raw, "config"), overlays)
+    return Plan(resolve(raw, "config"))
 
 
 def test_pieces_are_within_their_hours_and_the_first_seed_comes_first():
@@ -79,14 +81,13 @@ def test_the_hours_of_all_are_those_of_the_studies_in_it():
 
 
 def test_a_plan_has_its_studies_with_their_titles():
-    plan = plan_of(overlays=["a.yaml", "b.yaml"])
+    plan = plan_of()
     assert plan.all_studies == ["single_form", "spheres", "deposit_map"] and plan.studies == ["single_form"]
     assert plan.titles == {"single_form": "One form"} and plan.title("spheres") == "spheres"
     assert plan.studies_named("deposit_") == ["deposit_map"]
     assert set(plan.in_report.study) == {"single_form"} and len(plan.of("spheres", "deposit_map")) == 5
     assert plan.varied("spheres") == ["grains_asked", "seed"]
     assert plan.packings.study[plan.packings.is_first].tolist() == plan.all_studies
-    assert plan.command == "snakemake --configfile a.yaml b.yaml"
 
 
 def test_ranks_cores_time_and_memory_are_those_of_the_estimate():
@@ -367,8 +368,30 @@ def test_a_dry_run_is_recognised(words, dry):
     assert is_dry_run(words) == dry
 
 
-def test_the_command_of_a_campaign_can_be_run():
-    assert plan_of().command == "snakemake" and plan_of(overlays=["a.yaml"]).command == "snakemake --configfile a.yaml"
+def test_models_of_single_forms_need_five_of_them_with_one_sieve_curve():
+    assert SMALLEST_SINGLE_FORM_STUDY == fewest_samples(SINGLE_FORM)
+    for number in (SMALLEST_SINGLE_FORM_STUDY - 1, SMALLEST_SINGLE_FORM_STUDY):
+        study = copy.deepcopy(CAMPAIGN["studies"]["single_form"]) | {
+            "forms": [f"G{i:02}" for i in range(1, number + 1)]
+        }
+        assert plan_of(studies={"single_form": study}).fits_single_forms == (number == SMALLEST_SINGLE_FORM_STUDY)
+        assert not plan_of(studies={"mine": study}).fits_single_forms
+
+
+def test_ellipsoids_are_compared_with_polyhedra_of_the_same_grain():
+    study = copy.deepcopy(CAMPAIGN["studies"]["single_form"])
+    ellipsoids = study | {"fixes": {"shapes": {"kind": "ellipsoid"}}}
+    for forms, shared in ((["G01", "G02"], True), (["G03"], False)):
+        studies = {"single_form": study | {"forms": ["G01"]}, "equivalent_ellipsoids": ellipsoids | {"forms": forms}}
+        assert plan_of(studies=studies).compares_ellipsoids == shared
+    assert not plan_of(studies={"single_form": study}).compares_ellipsoids
+
+
+def test_cases_without_committed_rows_are_refused():
+    with pytest.raises(
+        ValueError, match="models.committed: there are no committed rows of u7; choose from U1, B50, U7"
+    ):
+        plan_of(models={"committed": ["u7", "B50"]}).check()
 
 
 @pytest.mark.parametrize("amount", [{"grains": 300}, {"grains": None, "mass": "0.1 kg"}])

@@ -180,7 +180,7 @@ def test_named_forms(tmp_path):
 def test_forms_that_do_not_exist_are_found_before_grains_are_read(scans):
     grains = {"source": scans[0], "unit": "mm"}
     for forms, message in (
-        ({"spread": 3}, r"studies\.s\.forms\.spread: there is no form 3 of a set of 2 grains"),
+        ({"spread": 3}, r"studies\.s\.forms\.spread: there is no form 3 of a set of 2 grains; give 2, or less"),
         (
             ["three"],
             r"studies\.s, packing U1-three: shapes\.grain: no grain is called 'three'; the 2 grains are one, two",
@@ -190,7 +190,9 @@ def test_forms_that_do_not_exist_are_found_before_grains_are_read(scans):
         assert re.fullmatch(message, table.fault.iloc[-1])
         assert not table.fault.iloc[:-1].any()
     synthetic = expand(campaign(varies={"sizes.case": ["U1"]}, forms={"spread": 64}))
-    assert synthetic.fault.iloc[-1] == "studies.s.forms.spread: there is no form 64 of a set of 63 grains"
+    assert synthetic.fault.iloc[-1] == (
+        "studies.s.forms.spread: there is no form 64 of a set of 63 grains; give 63, or less"
+    )
     # Several bodies of a file become grains whose number is not known before they are read.
     grains["bodies"] = "split"
     assert not expand(campaign(varies={"sizes.case": ["U1"]}, forms=["one_3"], grains=grains)).fault.any()
@@ -424,3 +426,19 @@ def test_names_of_grains_that_a_file_name_cannot_have_stay_apart(tmp_path):
     names = table.packing.tolist()
     assert len(set(names)) == 5 and names[3] == "U1-ab" and "ab-" in names[2] and "ab-" in names[4]
     assert all(name.isascii() for name in names)
+
+
+@pytest.mark.parametrize(
+    "packing, fault",
+    [
+        ({"domain": {"width": "45 furlong"}}, "packing.domain.width: '45 furlong'"),
+        ({"domain": {"width": [1, 2]}}, "packing.domain.width"),
+        ({"shaking": {"duration": "1 kg"}}, "packing.shaking.duration: '1 kg' is a mass"),
+    ],
+)
+def test_settings_of_all_packings_are_checked_also_where_every_study_overrides_them(packing, fault):
+    study = {"fixes": {"domain": {"width": "45 mm", "height": "0.3 m"}, "shaking": {"duration": "1 s"}}}
+    study["fixes"] |= {"sizes": {"case": "U1"}, "amount": {"grains": 100}}
+    with pytest.raises(ValueError, match=re.escape(fault)):
+        expand(resolve({"packing": packing, "studies": {"mine": study}}, "config"))
+    assert len(expand(resolve({"packing": {"domain": {"width": "45 m"}}, "studies": {"mine": study}}, "config"))) == 1

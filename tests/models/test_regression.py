@@ -12,6 +12,7 @@ from sklearn.model_selection import GroupKFold
 
 from simcore.grains.form import features as form_features
 from simcore.models.regression import (
+    LEAST_FOR_BOOTSTRAP,
     RESAMPLES,
     bootstrap,
     correlate,
@@ -212,6 +213,14 @@ def test_draws_that_carry_no_model_are_left_out():
     drawn = bootstrap(pd.DataFrame({"a": [0.0, 0.0, 0.0, 0.0, 1.0]}), [0.3, 0.31, 0.29, 0.3, 0.4])
     assert abs(len(drawn) - 0.672 * RESAMPLES) < 4 * 21
     assert np.abs(drawn).max() < 1.0
+
+
+def test_few_samples_have_no_intervals_of_a_bootstrap():
+    features = pd.DataFrame({"a": np.arange(LEAST_FOR_BOOTSTRAP) ** 2.0})
+    n = 0.3 + 0.01 * np.sin(features["a"])
+    assert np.isfinite(fit(features, n).bootstrap_lower).all()
+    few = fit(features[1:], n[1:])
+    assert np.isnan(few.bootstrap_lower).all() and np.isnan(few.bootstrap_upper).all() and np.isfinite(few.lower).all()
 
 
 @pytest.mark.parametrize("dependent_columns", [False, True])

@@ -8,10 +8,12 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 from snakemake.io import ancient
+from snakemake.utils import update_config
 
+from simcore.campaign.command_line import campaign_command, typed_values
 from simcore.campaign.plan import Plan, is_dry_run
 from simcore.grains.sources import source_files
-from simcore.paths import REFERENCE, ROOT, find_this_python_first
+from simcore.paths import R22_TABLES, REFERENCE, ROOT, find_this_python_first
 from simcore.provenance.digest import digest
 from simcore.scene.specification import read_yaml, resolve
 from simcore.verification.outside import packings as outside_packings
@@ -19,15 +21,17 @@ from simcore.verification.outside import packings as outside_packings
 # Jobs use the Python that runs Snakemake.
 find_this_python_first()
 
+overlays = [os.path.relpath(path) for path in workflow.overwrite_configfiles]
+options = typed_values(workflow.config_settings.config)
+update_config(config, options)
+
 try:
     # Snakemake would use the last one of two equal keys without a message.
     if workflow.is_main_process:
-        for path in workflow.overwrite_configfiles:
+        for path in {*workflow.configfiles, *workflow.overwrite_configfiles}:
             read_yaml(Path(path))
     campaign = resolve(config, "config", unused="refuse")
-    plan = Plan(
-        campaign, [os.path.relpath(path) for path in workflow.overwrite_configfiles]
-    )
+    plan = Plan(campaign, campaign_command(overlays, options))
     # Jobs read this file too, but need no check.
     if workflow.is_main_process:
         plan.check()
@@ -36,6 +40,9 @@ except ValueError as error:
 
 # Paths of rules begin with <results>, which Snakemake replaces by the same key of the configuration.
 packings, studies, all_studies = plan.packings, plan.studies, plan.all_studies
+
+# Scripts compare with these tables, so that their results depend on them.
+published = sorted(str(path.relative_to(ROOT)) for path in R22_TABLES.glob("*.csv"))
 
 # A dry run prints the estimated cost of the campaign. The command line is read because Snakemake does not report a dry
 # run to the workflow before all rules are read.

@@ -63,6 +63,10 @@ rule grain_report:
         "<results>/logs/grain_report.log",
     params:
         test_only=campaign["test_only"],
-        code=digest("workflow/scripts/grain_report.py"),
+        code=digest(
+            "workflow/scripts/grain_report.py",
+            *published,
+            "simcore/grains/scan_ranges.csv",
+        ),
     script:
         "../scripts/grain_report.py"

@@ -2,7 +2,7 @@
 models, model_figures = [], []
 single_form_studies = [name for name in studies if name.startswith("single_form")]
 
-if "single_form" in studies:
+if plan.fits_single_forms:
     models += ["single_form", "single_form_second_features", "single_form_correlations"]
     model_figures += [
         "single_form_features",
@@ -17,7 +17,7 @@ if "single_form" in studies:
             ),
             committed=branch(
                 plan.committed_single_forms is not None,
-                then=str(plan.committed_single_forms),
+                then=os.path.relpath(plan.committed_single_forms or "."),
             ),
         output:
             models="<results>/models/single_form.csv",
@@ -36,7 +36,7 @@ if "single_form" in studies:
             folds=campaign["models"]["folds"],
             committed=plan.cases_committed,
             test_only=campaign["test_only"],
-            code=digest("workflow/scripts/single_form_models.py"),
+            code=digest("workflow/scripts/single_form_models.py", *published),
         script:
             "../scripts/single_form_models.py"
 
@@ -72,12 +72,12 @@ if plan.fits_mixtures:
             seed=campaign["models"]["seed"],
             folds=campaign["models"]["folds"],
             test_only=campaign["test_only"],
-            code=digest("workflow/scripts/form_mixture_models.py"),
+            code=digest("workflow/scripts/form_mixture_models.py", *published),
         script:
             "../scripts/form_mixture_models.py"
 
 
-if {"single_form", "equivalent_ellipsoids"} <= set(studies):
+if plan.compares_ellipsoids:
     models += ["shape_kinds"]
     model_figures += ["shape_kinds"]
 
@@ -96,7 +96,7 @@ if {"single_form", "equivalent_ellipsoids"} <= set(studies):
             "<results>/logs/shape_kinds.log",
         params:
             test_only=campaign["test_only"],
-            code=digest("workflow/scripts/shape_kinds.py"),
+            code=digest("workflow/scripts/shape_kinds.py", *published),
         script:
             "../scripts/shape_kinds.py"
 
@@ -120,6 +120,6 @@ if {"single_form", "form_mixture"} <= set(models):
             seed=campaign["models"]["seed"],
             folds=campaign["models"]["folds"],
             test_only=campaign["test_only"],
-            code=digest("workflow/scripts/unified_model.py"),
+            code=digest("workflow/scripts/unified_model.py", *published),
         script:
             "../scripts/unified_model.py"

@@ -118,7 +118,7 @@ rule study_table:
     params:
         rows=lookup(query="study == '{study}'", within=packings, cols="row"),
         test_only=campaign["test_only"],
-        code=digest("workflow/scripts/study_table.py"),
+        code=digest("workflow/scripts/study_table.py", *published),
     script:
         "../scripts/study_table.py"
 

@@ -199,7 +199,7 @@ rule report:
         questions=plan.questions,
         biases=bias_effects,
         test_only=campaign["test_only"],
-        code=digest("workflow/scripts/report.py", *captions),
+        code=digest("workflow/scripts/report.py", *captions, *published),
     script:
         "../scripts/report.py"
 
@@ -210,7 +210,7 @@ committed_rows = campaign["reference"] or os.path.relpath(REFERENCE)
 
 rule committed_studies:
     input:
-        rows=sorted(map(str, Path(committed_rows).glob("*.csv"))),
+        rows=sorted(map(str, Path(committed_rows).rglob("*.csv"))),
     output:
         folder=directory("<results>/committed"),
     log:
@@ -222,7 +222,7 @@ rule committed_studies:
         titles=plan.titles,
         questions=plan.questions,
         biases=bias_effects,
-        code=digest("workflow/scripts/committed_studies.py", *captions),
+        code=digest("workflow/scripts/committed_studies.py", *captions, *published),
     script:
         "../scripts/committed_studies.py"
 

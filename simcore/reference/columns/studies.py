@@ -87,7 +87,7 @@ COLUMNS = (
         "limit of the mean net force on a grain over the mean contact force, at rest",
         key="convergence.max_unbalanced_force",
     ),
-    # Comparison with Rettinger et al. (2022), simcore.reference.r22_tables.add_reference
+    # Comparison with Rettinger et al. (2022), simcore.reference.r22_comparison.add_reference
     Column("r22_n", "", "porosity by Rettinger et al.: from their tables, or by their fitted model"),
     Column("r22_n_std", "", "standard deviation of their porosity over their runs"),
     Column("r22_n_error", "", "standard error of r22_n"),

@@ -32,7 +32,7 @@ TREND_LABELS = {
 def porosities_figure(table, varied):
     """Draw the porosities of a study over its one varied quantity, over form, or as a list of settings.
 
-    table: as from r22_tables.add_reference; varied: the columns that the study varies.
+    table: as from r22_comparison.add_reference; varied: the columns that the study varies.
     """
     if any(name in table for name in FORM_COLUMNS) and differ_in_form(table):
         return equancy_figure(table)
