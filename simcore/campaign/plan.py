@@ -119,7 +119,7 @@ class Plan:
     def check(self):
         """Raise ValueError if the workflow cannot have these studies, or if a bed will be too low; see plan_checks."""
         check_names(self.all_studies)
-        check_committed(self.campaign["models"]["committed"], self.committed_cases())
+        check_committed(self.campaign["models"]["committed"], REFERENCE / "single_form.csv")
         check_sources(self._grain_groups.values())
         check_shared_tables(self.packings)
         # Deposits are left out: their fabric is evaluated, with other cuts.
@@ -328,12 +328,6 @@ class Plan:
         single_forms = self.in_report[self.in_report.study.str.startswith("single_form")]
         packed = {specification["sizes"]["case"] for specification in single_forms.specification}
         return sorted(set(self.campaign["models"]["committed"]) - packed)
-
-    @staticmethod
-    def committed_cases():
-        """Return the cases of the committed rows of single forms, in their order."""
-        path = REFERENCE / "single_form.csv"
-        return list(pd.read_csv(path, usecols=["case"])["case"].unique()) if path.exists() else []
 
     @property
     def committed_single_forms(self):

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pandas as pd
+
 from simcore.campaign import deposits
 from simcore.campaign.gathering import table_of
 from simcore.evaluation.interval import campaign_cut
@@ -36,8 +38,11 @@ def check_names(studies) -> None:
             deposits.family(study)
 
 
-def check_committed(cases, available) -> None:
-    """Raise ValueError if one of the `cases`, whose models are to be fitted to committed rows, is not `available`."""
+def check_committed(cases, path) -> None:
+    """Raise ValueError if one of the `cases` has no row in the table of committed packings at `path`, if it exists."""
+    if not path.exists():
+        return
+    available = list(pd.read_csv(path, usecols=["case"])["case"].unique())
     missing = [case for case in cases if case not in available]
     if missing:
         raise ValueError(
