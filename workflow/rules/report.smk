@@ -230,7 +230,13 @@ rule committed_studies:
 # Keeps the tables of this campaign as those of the default campaign: snakemake --cores 1 -- keep_default
 rule keep_default:
     input:
-        models=collect("<results>/models/{model}.csv", model=models),
+        models=collect(
+            "<results>/models/{model}.csv",
+            model=[
+                *models,
+                *(["shape_kind_pairs"] if plan.compares_ellipsoids else []),
+            ],
+        ),
         tables=collect("<results>/tables/{study}.csv", study=studies),
         cost="<results>/campaign/cost.csv",
     log:
