@@ -9,7 +9,7 @@ from simcore.campaign import deposits
 from simcore.campaign.gathering import table_of
 from simcore.evaluation.interval import campaign_cut
 from simcore.grains.sources import source_files, source_name
-from simcore.packing.forecast import check_bed, typical_grains, with_last_batch
+from simcore.packing.forecast import check_bed, check_height_of_bed, typical_grains, with_last_batch
 from simcore.paths import ROOT
 from simcore.scene.domain import Domain
 from simcore.scene.height import check_height
@@ -110,6 +110,7 @@ def check_beds(packings, cut=None):
             # The mass of a number of grains is not known well before they are drawn.
             known = 1.0 if specification["amount"]["mass"] is not None else LEAST_MASS
             check_height(domain, known * density * grains.total, density)
+            check_height_of_bed(domain, grains, known * density, specification["generation"]["fill"])
             check_bed(domain, with_last_batch(grains, specification), density, campaign_cut(cut, domain.periodic))
         except ValueError as error:
             raise ValueError(

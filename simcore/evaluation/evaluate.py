@@ -15,8 +15,9 @@ def evaluate(packing, slice_height=None, cut=None):
 
     packing: Dataset as from simcore.packing.file.read_packing; slice_height, cut [m]: see simcore.evaluation.porosity.
     Porosities whose names end in _exact are from slices of the grains themselves, the others from slices of
-    volume-equivalent spheres as in Rettinger et al. (2022). profile is n(z) over z; form are the 104 features of
-    simcore.grains.statistics; axes are the means of L, I, S. The trends have the dimensions layer and quantity; if the
+    volume-equivalent spheres as in Rettinger et al. (2022); z_lower and z_upper belong to the latter, and n_exact has
+    an evaluated part of its own. profile is n(z) over z; form are the 104 features of simcore.grains.statistics; axes
+    are the means of L, I, S. The trends have the dimensions layer and quantity; if the
     bed is too low for them, the attribute height_trends gives the reason. The sieve curve and the forms of the whole
     bed and of its evaluated part are those of simcore.evaluation.composition. Where sizes separate, the attribute
     warnings has one more line. The attribute evaluation_code is the name of the code of the evaluation, beside

@@ -21,6 +21,7 @@ from simcore.scene.shapes import Base, grain_volumes
 UNEVEN_FORCES = 4.0
 DEEP_IMPACT = 0.5  # share of the thinnest grain's half thickness: a second grain that falls on top doubles the overlap
 
+EXTREMES = 20_000  # grains of which the longest and the thinnest one are found
 BACKING_STEPS = 400  # steps per contact time of the integration in `backing`
 
 
@@ -35,9 +36,11 @@ class Expectation(NamedTuple):
 
 
 def expect(scene: Scene, bases: list[Base], draw) -> Expectation:
-    """Return the Expectation from the first GRAINS grains of the packing. draw: as for `pack`."""
+    """Return the Expectation from the first grains of the packing. draw: as for `pack`."""
     drawn = draw(np.arange(min(GRAINS, scene.amount_grains or GRAINS)))
     stability = _estimate_stability(scene, bases, drawn)
+    # Extreme grains are rare: the coarse ones of a wide sieve curve may not be among the first thousand.
+    drawn = draw(np.arange(min(EXTREMES, scene.amount_grains or EXTREMES)))
     moments = np.array([base.second_moments for base in bases])[drawn.shape] * drawn.scale**2
     speed = fall_speed(scene)
     half_thickness, half_length = (float(np.sqrt(5.0 * moment)) for moment in (moments.min(), moments.max()))

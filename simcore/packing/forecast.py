@@ -16,6 +16,7 @@ from simcore.grains.sampling import GrainSample, sample_sizes
 from simcore.grains.sieve import SieveCurve
 from simcore.packing.cost import estimate, typical_pour
 from simcore.scene.domain import Domain
+from simcore.scene.height import in_mm
 from simcore.scene.scene import GRAINS
 from simcore.scene.setup import Setup
 from simcore.scene.sizes import size_curve
@@ -31,6 +32,9 @@ ONE_FORM, MIXED_FORMS = 0.16, 0.23
 BY_QUOTA = 0.5  # factor of the sampling error if sizes that may differ much are drawn by quota
 ERROR_FACTOR = 1.6  # nine of ten committed beds of mixed forms are within this factor of the predicted error
 LARGE_ERROR, GOOD_ERROR = 0.015, 0.01  # predicted sampling error that causes a warning, and target of its advice
+# Highest bed of fill r22 over the height of the domain: a batch begins only above a bed below REFILL_HEIGHT, 0.6, and
+# grains that fill a quarter of the rest add at most 0.16.
+R22_HIGHEST = 0.76
 NARROW = 4.0  # width of a box in largest grains; no narrower box is advised
 DRAWN_AT_ONCE, ENOUGH = 10_000, 100_000  # grains drawn at once, and grains that represent a larger packing
 PER_CLASS = (
@@ -202,21 +206,50 @@ def bed_warnings(domain: Domain, grains: Grains, density: float, cut=None) -> li
     density [kg/m³]: of the grains.
     """
     bed = forecast(domain, grains, cut)
-    text = f"The bed will be about {bed.height * 1e3:.0f} mm high"
+    text = f"The bed will be about {in_mm(bed.height)} mm high"
     if bed.at_floor > 0.0 or bed.at_surface > 0.0:
         text += (
-            f"; its porosity leaves out {bed.at_floor * 1e3:.0f} mm at the floor and {bed.at_surface * 1e3:.0f} mm "
-            f"below the surface"
+            f"; its porosity leaves out {in_mm(bed.at_floor)} mm at the floor and {in_mm(bed.at_surface)} mm below the "
+            "surface"
         )
     if bed.evaluated < bed.smallest:
         certainty = "" if bed.too_low else "probably "
         return [f"{text}, so {certainty}nothing is left to evaluate. {_remedy(domain, grains, density, bed, cut)}"]
     if bed.sampling_error > LARGE_ERROR or (bed.at_floor > 0.0 and bed.evaluated < grains.largest):
         return [
-            f"{text}. About {bed.evaluated * 1e3:.0f} mm are evaluated, and the sampling error of the porosity will be "
+            f"{text}. About {in_mm(bed.evaluated)} mm are evaluated, and the sampling error of the porosity will be "
             f"about {bed.sampling_error:.2g}. {_remedy(domain, grains, density, bed, cut)}"
         ]
     return []
+
+
+def height_warnings(domain: Domain, grains: Grains, density: float, fill: str = "bed") -> list[str]:
+    """Return a warning if the bed will probably be higher than the domain allows.
+
+    density [kg/m³]: of the grains. fill: how they are inserted, `generation.fill`.
+    """
+    limit = domain.height if fill == "bed" else R22_HIGHEST * domain.height
+    height = grains.total / (expected_solid_fraction(grains.sieve_size, grains.share) * domain.area)
+    return [_too_high(domain, grains, density, height, limit)] if height > limit else []
+
+
+def check_height_of_bed(domain: Domain, grains: Grains, density: float, fill: str = "bed") -> None:
+    """Raise ValueError if even the densest expected bed is higher than the domain allows; as in `height_warnings`."""
+    limit = domain.height if fill == "bed" else R22_HIGHEST * domain.height
+    densest = expected_solid_fraction(grains.sieve_size, grains.share) + SOLID_RANGE
+    height = grains.total / (densest * domain.area)
+    if height > limit:
+        raise ValueError(_too_high(domain, grains, density, height, limit))
+
+
+def _too_high(domain, grains, density, height, limit):
+    """Return what is wrong with a bed of this height [m] above the limit, and the remedy."""
+    why = "" if limit == domain.height else f", and insertion at the r22 heights ends at about {in_mm(limit)} mm"
+    return (
+        f"domain.height: The bed will be about {in_mm(height)} mm high, in a domain of {in_mm(domain.height)} mm{why}; "
+        f"raise domain.height to at least {in_mm(1.2 * height * domain.height / limit)} mm, or lower amount (now "
+        f"{density * grains.total:.3g} kg)."
+    )
 
 
 def check_bed(domain: Domain, grains: Grains, density: float, cut=None) -> None:
@@ -230,12 +263,14 @@ def _remedy(domain, grains, density, bed, cut):
     height = _needed_height(domain, grains, bed, cut)
     factor = height / bed.height
     text = (
-        f"A bed {height * 1e3:.0f} mm high is needed: set amount to at least "
+        f"A bed {in_mm(height)} mm high is needed: set amount to at least "
         f"{_round_up(density * grains.total * factor):g} kg (now {density * grains.total:.3g} kg)"
     )
     width = _needed_width(domain, grains, cut)
     if width >= NARROW * grains.largest:
-        return f"{text}, or set domain.width to at most {np.floor(width * 1e3):g} mm (now {domain.width * 1e3:g} mm)."
+        return (
+            f"{text}, or set domain.width to at most {_round_down(width * 1e3):g} mm (now {domain.width * 1e3:g} mm)."
+        )
     return f"{text}. A narrower domain would be less than {NARROW:g} of the largest grains wide."
 
 
@@ -270,3 +305,9 @@ def _round_up(value):
     """Return the value rounded up to two significant digits."""
     step = 10.0 ** (np.floor(np.log10(value)) - 1.0)
     return float(np.ceil(value / step - 1e-9) * step)
+
+
+def _round_down(value):
+    """Return the value rounded down to a whole number, or below 10 to two digits."""
+    step = 1.0 if value >= 10.0 else 10.0 ** (np.floor(np.log10(value)) - 1.0)
+    return float(np.floor(value / step + 1e-9) * step)

@@ -3,7 +3,16 @@
 import numpy as np
 
 from simcore.grains.sieve import SieveCurve, class_fractions
-from simcore.packing.forecast import ERROR_FACTOR, bed_warnings, check_bed, forecast, grains_of
+from simcore.packing.forecast import (
+    ERROR_FACTOR,
+    bed_warnings,
+    check_bed,
+    check_height_of_bed,
+    forecast,
+    grains_of,
+    height_warnings,
+)
+from simcore.scene.height import in_mm
 from simcore.scene.setup import Setup
 
 FAR_OFF = 0.05  # difference of specified and drawn mass fractions that causes a warning
@@ -32,16 +41,16 @@ def bed_lines(setup: Setup, sample) -> list[str]:
     grains = grains_of(setup, sample)
     bed = forecast(setup.scene.domain, grains)
     lines = [
-        f"Bed         It will be about {bed.height * 1e3:.0f} mm high, at a solid fraction of {bed.solid_fraction:.2f}"
+        f"Bed         It will be about {in_mm(bed.height)} mm high, at a solid fraction of {bed.solid_fraction:.2f}"
     ]
     if np.isnan(bed.sampling_error):
         return [*lines, f"{INDENT}Nothing of it is left to evaluate: see the warning below"]
     left_out = ""
     if bed.at_floor > 0.0 or bed.at_surface > 0.0:
-        left_out = f", without the lowest {bed.at_floor * 1e3:.0f} mm and the uppermost {bed.at_surface * 1e3:.0f} mm"
+        left_out = f", without the lowest {in_mm(bed.at_floor)} mm and the uppermost {in_mm(bed.at_surface)} mm"
     return [
         *lines,
-        f"{INDENT}Its porosity is evaluated over a height of about {bed.evaluated * 1e3:.0f} mm{left_out}",
+        f"{INDENT}Its porosity is evaluated over a height of about {in_mm(bed.evaluated)} mm{left_out}",
         f"{INDENT}and will have a sampling error of about {bed.sampling_error:.2g}; this estimate is right within a "
         f"factor of {ERROR_FACTOR:g}",
     ]
@@ -55,17 +64,21 @@ def setup_warnings(setup: Setup, sample=None, low_bed: bool = True) -> list[str]
     """
     grains = grains_of(setup, sample)
     scene = setup.scene
-    lines = bed_warnings(scene.domain, grains, scene.material.density) if low_bed else []
+    density = scene.material.density
+    lines = bed_warnings(scene.domain, grains, density) if low_bed else []
+    lines += height_warnings(scene.domain, grains, density, scene.generation.fill)
     return [*lines, *setup.notes, *_class_warnings(setup, grains)]
 
 
 def check_setup(setup: Setup, sample=None) -> None:
-    """Raise ValueError if the bed of a packing will be too low for its porosity to be evaluated.
+    """Raise ValueError if the bed of a packing will be too high for the domain, or too low to be evaluated.
 
     sample: all grains of the packing, if they have been drawn already.
     """
+    grains, scene = grains_of(setup, sample), setup.scene
+    check_height_of_bed(scene.domain, grains, scene.material.density, scene.generation.fill)
     try:
-        check_bed(setup.scene.domain, grains_of(setup, sample), setup.scene.material.density)
+        check_bed(scene.domain, grains, scene.material.density)
     except ValueError as error:
         raise ValueError(
             f"{error} To pack it anyway, and to evaluate it with a smaller `porosity --cut`, add --force."

@@ -6,6 +6,7 @@ import numpy as np
 
 from simcore.dem.from_scene import stiffening_advice
 from simcore.packing.run_checks import PINCHING, DeepImpact, DeepOverlap, EnergyGain, NotFinite, TooFast
+from simcore.scene.height import in_mm
 
 # Steps that a bed needs over the steps that its stiffest grain needs by itself: docs/explanation/constants_packing.md.
 BED_STEP_FACTORS = (1.2, 1.35)
@@ -87,13 +88,13 @@ def no_space(scene, inserted, top, largest) -> str:
     # Grains are inserted below the top of the domain, so that one far above it was thrown there.
     if top > height + largest:
         return begin + (
-            f"one is {top * 1e3:.0f} mm above the floor, far above domain.height = {height * 1e3:.0f} mm: it was "
+            f"one is {in_mm(top)} mm above the floor, far above domain.height = {in_mm(height)} mm: it was "
             f"thrown, and there is no space for another batch. Most likely the time step is too long for its contacts: "
             f"{steps_advice(scene)}"
         )
     return begin + (
-        f"the bed reaches {top * 1e3:.0f} mm and leaves no space for another batch below domain.height = "
-        f"{height * 1e3:.0f} mm. Make the domain higher or wider, or reduce amount"
+        f"the bed reaches {in_mm(top)} mm and leaves no space for another batch below domain.height = "
+        f"{in_mm(height)} mm. Make the domain higher or wider, or reduce amount"
     )
 
 

@@ -16,6 +16,7 @@ SPRUNG = ("static", "preloaded")  # friction laws with a tangential spring
 # the first, and of the first.
 REFILL_HEIGHT = 0.6
 R22_FIRST_FILL = 0.1
+LEAST_STEPS = 20  # time steps in a period of shaking
 GRAINS = 1000  # number of the first grains of a packing that represent all in the setup and checks of a scene
 
 
@@ -149,6 +150,12 @@ class Scene:
             raise ValueError(
                 f"numerics.dashpot: implicit works only with material.friction_law {' and '.join(SPRUNG)}; use "
                 f"explicit with {self.material.friction_law}"
+            )
+        if self.shaking.amplitude > 0.0 and self.shaking.period < LEAST_STEPS * self.numerics.time_step:
+            raise ValueError(
+                f"shaking.period: {self.shaking.period:g} s are fewer than {LEAST_STEPS} time steps of "
+                f"{self.numerics.time_step:.3g} s, which do not resolve the shaking; give a longer period, or a "
+                "shorter numerics.contact_time"
             )
         if self.material.fluid_density >= self.material.density:
             raise ValueError(

@@ -81,13 +81,13 @@ def set_up(specification: dict, load_grains) -> Setup:
         return Draw(drawn.shape, drawn.scale, drawn.D, grain_uniforms(ids, seed, stream=INSERTION_STREAM))
 
     def masses():
-        # As many grains as the forecast uses; a packing may have a million.
-        volume = sample(np.arange(min(GRAINS, number or GRAINS))).volume
-        mass = specification["material"]["density"] * volume
-        return float(mass.mean()), float(mass.min())
+        """Return the mean and the least mass of a grain: sizes are those of the curve, whatever is drawn."""
+        density, factors = specification["material"]["density"], _volume_factors(sample, number)
+        sphere = density * np.pi / 6.0
+        return sphere * curve.mean(3) * float(factors.mean()), sphere * curve.least**3 * float(factors.min())
 
     scene = make_scene(specification, curve, masses, number)
-    _check_height(scene, sample)
+    _check_height(scene, curve, sample)
     return Setup(
         scene,
         bases,
@@ -167,12 +167,18 @@ def _forms_below(group):
     return FormsBelow(below, *(group[key][part] for key in ("flatness", "elongation") for part in ("mean", "std")))
 
 
-def _check_height(scene, sample):
+def _volume_factors(sample, number):
+    """Return the volumes of the first GRAINS grains over those of spheres of their sieve sizes."""
+    drawn = sample(np.arange(min(GRAINS, number or GRAINS)))
+    return drawn.volume / (np.pi / 6.0 * drawn.D**3)
+
+
+def _check_height(scene, curve, sample):
     """Raise ValueError if the grains would be higher than the domain even without pores."""
-    mass = scene.amount_mass
+    mass, number = scene.amount_mass, scene.amount_grains
     if mass is None:
-        volume = sample(np.arange(min(GRAINS, scene.amount_grains))).volume
-        mass = scene.material.density * scene.amount_grains * float(volume.mean())
+        volume = np.pi / 6.0 * curve.mean(3) * float(_volume_factors(sample, number).mean())
+        mass = scene.material.density * number * volume
     check_height(scene.domain, mass, scene.material.density)
 
 

@@ -114,6 +114,7 @@ def test_express_is_the_inverse_of_resolve():
         ("domain.width", "0.2", r"domain\.width: '0\.2' has no unit"),
         ("domain.width", "nan m", r"domain\.width: 'nan m' is not a number with a unit"),
         ("domain.width", "1e999 m", r"domain\.width: '1e999 m' is not finite"),
+        ("domain.width", "-1e999 m", r"domain\.width: '-1e999 m' is not finite"),
         ("domain.width", "-2 mm", r"domain\.width: -0\.002 m is out of bounds; it must be more than 0 m"),
         ("domain.width", None, r"domain\.width is empty; a length is needed"),
         (

@@ -59,6 +59,7 @@ CASES = {
     "sizes.allow_few_top_grains": ({"sizes": {"allow_few_top_grains": True}}, BETA, {}),
     "material.poisson_ratio": ({"material": {"poisson_ratio": 0.3}}, SLIDING, merge(SLIDING, HERTZ)),
     "material.friction": ({"material": {"friction": 0.4}}, SLIDING, {}),
+    "material.friction_law": ({"material": {"friction_law": "preloaded"}}, {"material": {"friction": 0}}, {}),
     "material.restitution_speed": ({"material": {"restitution_speed": "2 m/s"}}, {}, HERTZ),
     "material.sliding_time": ({"material": {"sliding_time": "20 ms"}}, {}, SLIDING),
     "generation.spacing": (
