@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from benchmarks.studies.mixtures_wide import comparison, is_rhine, judgement
+from benchmarks.studies.mixtures_wide import SETS, comparison, is_rhine, judgement, slopes, specified_statistics
 from benchmarks.studies.size_and_form_fit import describe_halves, read_rows
 from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS, OURS, R22
 from benchmarks.studies.sorted_sands import TABLE as SANDS
@@ -21,6 +21,7 @@ from simcore.models.size_and_form.known_beds import MEASURED, PUBLISHED
 from simcore.models.size_and_form.sized_model import NOT_FITTED, current_model
 from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
 from simcore.paths import CONFIG, REFERENCE, ROOT
+from simcore.reference.r22_tables import read_r22_models
 from simcore.scene.sizes import all_cases
 from simcore.scene.specification import resolve
 
@@ -206,24 +207,41 @@ def curve_of(bed):
 
 def test_beds_of_U7_with_a_distribution_of_form():
     table = comparison()
-    rhine = table[is_rhine(table)]
-    packed = " and ".join(f"{row.n:.3f} ± {row.n_error:.3f}" for row in rhine.itertuples())
-    number = {1: "one", 2: "two", 3: "three", 4: "four"}[len(table)]
-    rule = judgement(table).loc["Rhine"]
+    rhine, sets = table[is_rhine(table)], table[~is_rhine(table)]
+    numbers = dict(enumerate("no one two three four five six seven eight nine ten eleven twelve".split()))
+    rules, lattices, slope = judgement(table), judgement(table, "lattices"), slopes(table)
+    rule = rules.loc["Rhine"]
     error = np.sqrt(np.sum(rhine["n_error"] ** 2)) / len(rhine)
-    by_lattices = judgement(table, "lattices").loc["Rhine", "error"]
     all_forms = read_rows("size_and_form").query("case == 'U7' and representation == 'polyhedron' and grain.isna()")
     of_all = " and ".join(f"{n:.3f}" for n in all_forms["n"])
+    their_model = read_r22_models()["form_mixture", "U7"]
+    apart = sets["n"] - their_model.porosity(1.0 / specified_statistics(sets).add_suffix("_inv"))
+    above = f"{apart.mean():.3f} ± {apart.sem():.3f}"
+    for row in table.itertuples():
+        FL, sigma_FL, EL, sigma_EL = (getattr(row, name) for name in SETS)
+        errors = " | ".join(f"{value - row.n:+.4f}" for value in (row.rain, row.lattices))
+        form = f"{FL:g} ± {sigma_FL:g}, {EL:g} ± {sigma_EL:g}"
+        assert states(PLAN, f"| {form} | {row.seed} | {row.n:.3f} ± {row.n_error:.3f} | {errors} |".replace("-", "−"))
     assert states(
         PLAN,
-        f"Of the twelve beds {number} are packed, all with the Rhine's distribution: {packed}.",
-        f"is {rule['error']:+.4f} ± {error:.4f} (sampling), and".replace("-", "−"),
-        f"With the effect of form of beds on lattices it is {by_lattices:+.4f}.".replace("-", "−"),
+        f"Of the twelve beds {numbers[len(table)]} are packed (",
+        f"the mean error is {rule['error']:+.4f} ± {error:.4f} (sampling), and".replace("-", "−"),
+        f"By {numbers[len(rhine)]} of four seeds",
+        f"with the effect of form of lattices it is {lattices.loc['Rhine', 'error']:+.4f}.".replace("-", "−"),
+        f"For the {numbers[len(sets)]} of eight sets that are packed the root mean square of the errors is "
+        f"{rules.loc['sets', 'error']:.4f}, and the limit is 0.010, so that they are confirmed too;",
+        f"with the effect of form of lattices it is {lattices.loc['sets', 'error']:.4f}.",
+        f"changes by {slope['packed']:.2f} ± {slope['error']:.2f} of the predicted one-class porosity, and the "
+        f"prediction by {slope['predicted']:.2f} of it.",
+        f"the {numbers[len(sets)]} sets are looser than Eq. 24 by {above}.",
         f"Beds of all forms in U7, which are part of the fit, have {of_all}.",
     )
+    assert states(HOW_TO, f"their beds are looser than the formula by {above}, as predicted.")
+    assert rules["confirmed"].all() and abs(rule["error"]) > 0.9 * rule["limit"]
     assert states(
         FINDINGS,
-        f"in U7, as a rain: forms from its distribution | {rhine['n'].mean():.3f} ± {error:.3f}; "
-        f"{rhine['rain'].mean():.3f} predicted by the formula of form and sieve curve | 0.288 |",
+        f"in U7, as a rain: forms from its distribution | {rhine['n'].mean():.3f} ± {error:.3f}; the formula of form "
+        f"and sieve curve predicts {rhine['rain'].mean():.3f} from the porosity of our rain beds of U1 | 0.288 |",
+        f"| {numbers[len(sets)]} sets of forms in U7, predicted without a fit to them | root mean square error "
+        f"{rules.loc['sets', 'error']:.4f} | no formula | |",
     )
-    assert len(rhine) == len(table) and rule["confirmed"] and abs(rule["error"]) > 0.9 * rule["limit"]
