@@ -4,9 +4,10 @@
 
 SCENES has the five specifications: U7 of the form G26, 4 kg in a box of 0.1 m with patch contacts; a mixture of 1200
 flat grains with point contacts; U5, 1.4 kg in a box of 70 mm, with point contacts; U7, 1.5 kg of grains of 50 faces in
-a cylinder of 104 mm, with patch contacts; and B30, 3 kg of grains of 300 faces in the same cylinder (seed 2). It prints one CSV row per packing: scene, seed, steps per contact time,
-number of expected steps, outcome (rest, or stopped with the message), simulated time and CPU time. A packing takes from
-minutes (mixture, U5) to an hour (U7 in a box) of CPU time.
+a cylinder of 104 mm, with patch contacts; and B30, 3 kg of grains of 300 faces in the same cylinder (seed 2). It prints
+one CSV row per packing: scene, seed, steps per contact time, number of expected steps, outcome (rest, or stopped with
+the message), simulated time and CPU time. A packing takes from minutes (mixture, U5) to an hour (U7 in a box) of CPU
+time.
 """
 
 import argparse
