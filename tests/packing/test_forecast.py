@@ -155,6 +155,12 @@ def test_predictions_hold_for_committed_rows():
         assert int(number) == len(rows[(rows.table == key[0]) & (rows.case == key[1])])
         assert ratio == (f"{medians[key]:.2f}" if key in medians else "")
         assert difference == f"{porosity[key]:+.3f}".replace("-", "−")
+    ratios, above = medians["validation"], porosity["validation"]
+    number = (rows.table == "validation").sum()
+    assert (
+        f"| seven sieve curves, cylinder | {number} | {ratios.min():.2f} to {ratios.max():.2f} | {above.min():+.3f} to "
+        f"{above.max():+.3f} |" in ACCURACY
+    )
 
 
 def test_the_predicted_error_of_mixed_forms_is_the_scatter_over_seeds():
