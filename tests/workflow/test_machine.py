@@ -7,7 +7,7 @@ from tests.helpers.workplace import NULL_STUDIES
 pytestmark = pytest.mark.workflow
 
 CAMPAIGN = f"""
-packing: {{domain: {{width: 45 mm, height: 0.3 m}}, sizes: {{case: U1}}, shapes: {{kind: sphere}}}}
+packing: {{domain: {{width: 45 mm, height: 0.8 m}}, sizes: {{case: U1}}, shapes: {{kind: sphere}}}}
 studies:
   spheres:
     varies: {{amount.grains: [500, 5000]}}

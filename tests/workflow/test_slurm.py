@@ -16,7 +16,7 @@ CAMPAIGN = f"""
 grains_per_rank: 10
 packing:
   accuracy: r22
-  domain: {{width: 45 mm, height: 0.3 m}}
+  domain: {{width: 45 mm, height: 0.8 m}}
   sizes: {{case: U1}}
   shapes: {{kind: sphere}}
   amount: {{grains: 5000}}
