@@ -41,7 +41,10 @@ def advice_on_rest(scene, watch_state) -> str:
         needed = int(np.ceil(BED_STEP_FACTORS[1] * watch_state.needed))
         steps = scene.numerics.steps_per_contact_time
         return f"Raise numerics.steps_per_contact_time from {steps:g} to at least {needed}."
-    return "Shake or damp longer, or loosen `convergence`."
+    return (
+        "Raise damping.max_time: the packing then resumes from its latest checkpoint, if it has one. Or shake longer, "
+        "or loosen `convergence`."
+    )
 
 
 def describe_tolerated(scene, watch_state) -> list[str]:

@@ -100,9 +100,9 @@ class Process:
         state = self.state
         if state.phase == GENERATING:
             self.generate()
-            state.phase, state.last_insertion, state.phase_end = SHAKING, state.step, state.step + self.shaking_steps
+            state.phase, state.last_insertion, state.shaking_end = SHAKING, state.step, state.step + self.shaking_steps
         if state.phase == SHAKING:
-            self.shake(state.phase_end)
+            self.shake(state.shaking_end)
         observation = self.settle()
         self.evaluate()
         stability = self.watch.stability(state.watch, expected.stability)
@@ -158,10 +158,11 @@ class Process:
         """Damp until the packing is at rest and return its Observation; PackingError after damping.max_time."""
         scene, state = self.scene, self.state
         if state.phase != DAMPING:
-            state.phase, state.phase_end = DAMPING, state.step + max(round(scene.damping.max_time / self.dt), 1)
+            state.phase, state.damping_start = DAMPING, state.step
             state.mean_height = observe(self.bodies, self.candidates, self.ranks).mean_height
-        while state.in_stretch or state.step < state.phase_end:
-            observed = self.advance(self.interval_steps, DAMPING, state.phase_end)
+        end = state.damping_start + max(round(scene.damping.max_time / self.dt), 1)
+        while state.in_stretch or state.step < end:
+            observed = self.advance(self.interval_steps, DAMPING, end)
             verdict = self._judge(observed)
             state.mean_height = observed.mean_height
             if verdict.at_rest:
@@ -186,7 +187,7 @@ class Process:
         if goal.rule == "still":
             return judge_still(goal, observed, self.state.mean_height)
         (mass,) = self.ranks.totals(self.bodies.mass[self.bodies.own])
-        since = self.state.phase_end * self.dt - self.scene.damping.max_time
+        since = self.state.damping_start * self.dt
         return judge_settled(goal, self.scene.material, observed, self.state.checks, since, mass, self.state.inserted)
 
     # -- checkpoints ----------------------------------------------------------------------------------------

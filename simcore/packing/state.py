@@ -31,7 +31,8 @@ class PackingState:
 
     phase: str = GENERATING
     step: int = 0
-    phase_end: int = 0
+    shaking_end: int = 0
+    damping_start: int = 0
     stretch_start: int = 0
     stretch_end: int = 0
     in_stretch: bool = False

@@ -11,15 +11,17 @@ import json
 from simcore.grains.sources import source_name
 
 # Keys that do not change a bit of a run: its name, the interval of its reports, a preset whose settings are in the
-# other keys once it is resolved, and a key that only allows a run to start.
+# other keys once it is resolved, a key that only allows a run to start, and the maximum time of damping, after which a
+# run fails, so that it resumes from its checkpoint once this time is longer.
 WITHOUT_EFFECT = (
     ("name",),
     ("accuracy",),
     ("numerics", "progress_interval"),
     ("sizes", "allow_few_top_grains"),
+    ("damping", "max_time"),
 )
 # Keys that do not change the porosity of a committed row: the name; the grain, because rows of a spread are identified
-# by its rank; the interval of reports; the maximum time of damping, because a packing in a row has come to rest.
+# by its rank; the interval of reports; the maximum time of damping.
 WITHOUT_RESULT = (("name",), ("shapes", "grain"), ("numerics", "progress_interval"), ("damping", "max_time"))
 BY_CHANCE = (*WITHOUT_EFFECT, ("seed",))
 # Keys that were added after rows had been committed, with the value that corresponds to earlier packings. A

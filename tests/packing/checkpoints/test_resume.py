@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from simcore.packing.keeping import KEEP, KEEP_AND_STOP, Keeper
-from simcore.packing.packed import Interrupted
+from simcore.packing.packed import DAMPING, Interrupted, PackingError
 from simcore.packing.process import Process, pack
 from tests.helpers.few_spheres import set_up_few_spheres
 from tests.helpers.same_bits import arrays_of, assert_same_bits
@@ -89,4 +89,16 @@ def test_the_last_stretch_of_damping_is_gone_on_with(made, whole):
     keeper = Memory(stops=[whole.steps - 120])
     with pytest.raises(Interrupted):
         pack(made.scene, made.bases, made.draw, keeper=keeper)
+    assert_packed_alike(whole, pack(made.scene, made.bases, made.draw, keeper=keeper))
+
+
+def test_a_longer_time_of_damping_goes_on_from_the_checkpoint_of_a_failed_packing(made, whole):
+    """The packing fails 300 steps before it converges, because its time of damping is over."""
+    dt = made.scene.numerics.time_step
+    damping = sum(phase == DAMPING for _, phase, _ in whole.checks) * round(made.scene.convergence.interval / dt)
+    short = set_up_few_spheres(**CHANGES, damping={"max_time": f"{(damping - 300) * dt!r} s"})
+    keeper = Memory(keeps=[whole.steps - 310])
+    with pytest.raises(PackingError, match="not at rest.*Raise damping.max_time: the packing then resumes"):
+        pack(short.scene, short.bases, short.draw, keeper=keeper)
+    assert keeper.times == 1
     assert_packed_alike(whole, pack(made.scene, made.bases, made.draw, keeper=keeper))
