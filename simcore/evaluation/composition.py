@@ -73,14 +73,14 @@ def separation_warnings(composed) -> list[str]:
     if abs(difference) > LARGE_DIFFERENCE:
         lines.append(
             f"Sizes separate: coarse grains are {100 * lower:.0f} % of the lower and {100 * upper:.0f} % of the upper "
-            f"half of the evaluated part, a difference of {abs(difference):.1f} standard errors."
+            f"half of the evaluated part{_in_words(difference)}."
         )
     floor, inside = composed["fine_share"].values
     excess = _in_errors(floor - inside, composed["fine_share_std_error"].values)
     if excess > LARGE_DIFFERENCE and floor > FLOOR_FACTOR * inside:
         lines.append(
             f"Fine grains gather on the floor: they are {100 * floor:.0f} % of the layer that is left out there, and "
-            f"{100 * inside:.0f} % of the evaluated part, a difference of {excess:.1f} standard errors."
+            f"{100 * inside:.0f} % of the evaluated part{_in_words(excess)}."
         )
     return lines
 
@@ -105,9 +105,19 @@ def _share(chosen, volumes):
 
 
 def _in_errors(difference, errors):
-    """Return a difference over its standard error, which follows from the errors of its two parts; 0 without error."""
+    """Return a difference over its standard error, which follows from the errors of its two parts.
+
+    Shares of 0 and 1 have no error: their difference is infinitely many.
+    """
     error = np.hypot(*errors)
-    return float(difference / error) if error > 0.0 else 0.0
+    if error > 0.0:
+        return float(difference / error)
+    return float(np.sign(difference) * np.inf) if difference else 0.0
+
+
+def _in_words(difference):
+    """Return a clause with a difference in standard errors, or "" if it is infinite."""
+    return f", a difference of {abs(difference):.1f} standard errors" if np.isfinite(difference) else ""
 
 
 def _pair(name, dimension, shares, ending=""):

@@ -72,6 +72,16 @@ def test_coarse_grains_above_are_warned_of():
     assert line.startswith("Sizes separate: coarse grains are ") and "of the upper half" in line
 
 
+def test_sizes_that_separate_completely_are_warned_of():
+    """Shares of 0 and 1 have no standard error in which their difference could be stated."""
+    rng = np.random.default_rng(4)
+    z = np.concatenate([rng.uniform(0.55, 1.0, 40), rng.uniform(0.0, 0.45, 320)])
+    lines = separation_warnings(composition(bed(np.repeat([0.02, 0.01], [40, 320]), z), 0.1, 0.9))
+    assert lines == [
+        "Sizes separate: coarse grains are 0 % of the lower and 100 % of the upper half of the evaluated part."
+    ]
+
+
 def test_fine_grains_on_the_floor_are_warned_of():
     rng = np.random.default_rng(2)
     radius = np.concatenate([np.full(300, 0.02), np.full(300, 0.01)])
