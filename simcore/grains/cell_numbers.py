@@ -53,7 +53,8 @@ def _no_number(where, name, text, plain):
             f"{where}: {name} is '{text}'; a number is needed, without separators of thousands; write its unit, if "
             "any, in the header"
         )
-    return f"{where}: {name} is '{text}'; a number is needed; write its unit, if any, in the header"
+    remedy = "write its unit, if any, in the header" if re.search(r"\d", plain) else "enter it, or remove the row"
+    return f"{where}: {name} is '{text}'; a number is needed; {remedy}"
 
 
 def _sheet_error(where, name, text):

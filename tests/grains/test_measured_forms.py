@@ -96,7 +96,7 @@ def test_statistics_are_samples_of_independent_flatness_and_elongation(read, nam
             "L,I,S\n50,5,40,1,27,3\n",
             "row 2: the row has 6 fields, but the header has 3; .* decimals with a point",
         ),
-        ("L,I,S\nmm,mm,x\n4,2,1\n", "row 2: L is 'mm'; a number is needed; write its unit, if any, in the header"),
+        ("L,I,S\nmm,mm,x\n4,2,1\n", "row 2: L is 'mm'; a number is needed; enter it, or remove the row"),
         ("L,I,S,count\n4,2,1,-1\n", "row 2: count = -1; a number of grains must be between 0 and 1e12"),
         ("L,I,S,count\n4,2,1,\n", "row 2: count is ''; a number is needed"),
         ("L,I,S,count\n4,2,1,few\n", "row 2: count is 'few'; a number is needed"),

@@ -137,7 +137,7 @@ SIEVES = [
     ),
     Case(
         "opening [mm],mass [g]\n16,0\n8,x\n4,-3\n2,\npan,-1\n",
-        error="row 3: mass [g] is 'x'; a number is needed; write its unit, if any, in the header; rows 4, 5, 6 have "
+        error="row 3: mass [g] is 'x'; a number is needed; enter it, or remove the row; rows 4, 5, 6 have "
         "errors too",
     ),
     Case(
@@ -565,6 +565,10 @@ GRAINS = [
     Case(
         "L [mm];I [mm];S [mm]\n12 inch;3;2\n",
         error="row 2: L is '12 inch'; a number is needed; write its unit, if any, in the header",
+    ),
+    Case(
+        "L [mm];I [mm];S [mm]\n4;3;2\n5;NA;3\n6;4;3\n",
+        error="row 3: I is 'NA'; a number is needed; enter it, or remove the row",
     ),
     Case(
         "number;FL;EL\n11;.5;.7\n12;.6;.7\n14;.5;.6\n15;.5;.7\n17;.6;.7\n18;.5;.6\n",

@@ -35,9 +35,8 @@ const Numbers = (() => {
       );
     }
     if (!NUMBER.test(plain)) {
-      throw new InputError(
-        `${where}: ${name} is '${text}'; a number is needed; write its unit, if any, in the header`
-      );
+      const remedy = /\d/.test(plain) ? "write its unit, if any, in the header" : "enter it, or remove the row";
+      throw new InputError(`${where}: ${name} is '${text}'; a number is needed; ${remedy}`);
     }
     const value = Number(plain.replace(",", "."));
     if (!Number.isFinite(value)) {
