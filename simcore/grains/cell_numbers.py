@@ -48,6 +48,8 @@ def _no_number(where, name, text, plain):
             f"{where}: {name} is '{text}'; a spreadsheet took the number for a date: format the column as text, and "
             "enter it"
         )
+    if "±" in plain or "+-" in plain or "+/-" in plain:
+        return f"{where}: {name} is '{text}'; a number is needed; write its error into a column of its own"
     if "." in plain and "," in plain or max(plain.count(mark) for mark in ",.") > 1 or _SPLIT.search(plain):
         return (
             f"{where}: {name} is '{text}'; a number is needed, without separators of thousands; write its unit, if "

@@ -46,12 +46,8 @@ def read_counts(path, header, cells, columns):
     if _are_row_numbers(name, values):
         return None, [_row_numbers_notice(name)]
     whole = all(value.is_integer() for value in values) and not _PERCENT.search(name)
-    if whole and may_number_rows(name) and len(values) >= FEWEST_IDS and _rise(values):
-        raise ValueError(
-            f"{path}: the numbers in the column {name} rise from row to row; rename the column to `id` if they number "
-            "the grains, or to `count` if they are numbers of grains"
-        )
     if whole:
+        _refuse_rising(path, name, values, "grains")
         return Counts(weights, True), [
             f"the column {name} is the number of grains of each row, {sum(values):.0f} in all"
         ]
@@ -73,6 +69,7 @@ def read_numbers(path, header, cells, columns):
     if _are_row_numbers(name, numbers):
         return None, [_row_numbers_notice(name)]
     noun = group_noun(header, columns.sample)
+    _refuse_rising(path, name, numbers, f"{noun}es" if noun.endswith("s") else f"{noun}s")
     notice = f"the column {name} is the number of grains of each {noun}; FL and EL are assumed to be independent"
     return Counts(dict(zip(texts.index, numbers, strict=True)), True), [notice]
 
@@ -96,8 +93,14 @@ def _are_row_numbers(name, values):
     return anew or sorted(values) == list(range(1, len(values) + 1))
 
 
-def _rise(values):
-    return all(b > a for a, b in zip(values, values[1:], strict=False))
+def _refuse_rising(path, name, values, rows):
+    """Raise ValueError if whole numbers rise from row to row in a column that may number them; rows: what they are."""
+    rise = all(b > a for a, b in zip(values, values[1:], strict=False))
+    if rise and len(values) >= FEWEST_IDS and may_number_rows(name):
+        raise ValueError(
+            f"{path}: the numbers in the column {name} rise from row to row; rename the column to `id` if they number "
+            f"the {rows}, or to `count` if they are numbers of grains"
+        )
 
 
 def _row_numbers_notice(name):

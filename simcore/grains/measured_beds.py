@@ -24,11 +24,11 @@ from simcore.grains.sieve_table import read_curve
 from simcore.grains.table_file import read_table
 from simcore.grains.text_lists import join_first
 
-_PERCENT = r"(?:[\s_,]*[\[(]?\s*(?:%|percent|per cent)\s*[\])]?)"
+_PERCENT = r"(?:[\s_,]*(?:in\s+)?[\[(]?\s*(?:vol\.?\s*-?\s*)?(?:%|percent|per cent|prozent)\s*[\])]?)"
 _FRACTION = r"(?:\s*[\[(]\s*[-–1]?\s*[\])])?"
-_POROSITY = r"(?:n|porosity|porosit(?:ä|ae)t)"
+_POROSITY = r"(?:n|(?:total[\s_]+)?porosity(?:[\s_]+n)?|porosit(?:ä|ae)t(?:[\s_]+n)?|porenanteil(?:[\s_]+n)?)"
 _COLUMNS = {
-    "n": rf"{_POROSITY}(?:[\s_]+measured)?",
+    "n": rf"(?:measured[\s_]+)?{_POROSITY}(?:[\s_]+\(?(?:measured|gemessen)\)?)?",
     "n_error": rf"{_POROSITY}[\s_]+(?:(?:std|standard)[\s_]+)?(?:error|uncertainty)",
     "case": r"case",
     "sieve": r"(?:sieve|sieves|sieve[\s_]+curve|curve|siebkurve)(?:[\s_]+file)?",
@@ -40,8 +40,9 @@ _MEANINGS = {"n": "the porosity", "n_error": "the error of n", "case": "the siev
 # Columns from which n follows, and how.
 _OTHER_MEASURES = {
     re.compile(r"e$|void|porenzahl", re.IGNORECASE): "the porosity of a void ratio e is n = e/(1 + e); ",
-    re.compile(r"(?:dry|bulk).*density|.*dichte", re.IGNORECASE): "the porosity is n = 1 - dry density of the bed / "
-    "density of the grains; ",
+    re.compile(
+        r"(?:dry|bulk).*density|.*dichte|(?:rho|ρ)", re.IGNORECASE
+    ): "the porosity is n = 1 - dry density of the bed / density of the grains; ",
 }
 NEEDED = (
     "give a row per bed with the column n, its measured porosity, and the form of its grains: mean_FL, std_FL, "
@@ -128,12 +129,15 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
         case = default
     _check_case(table.path, positions, case, sieve)
     of_all = None if sieve is None else curves.read("--sieve", str(sieve))
-    forms, names, given = _name_rows(table.without(*positions.values()), column)
-    samples, notices = samples_of_table(forms, column, of_beds=True)
-    if any(sample.grains == 1 for sample in samples):
+    table_of_forms = table.without(*positions.values())
+    forms, names, given = _name_rows(table_of_forms, column)
+    samples, notices = samples_of_table(
+        forms, column, of_beds=True, labels=_columns_with_labels(table_of_forms, column)
+    )
+    if all(sample.one_form for sample in samples):
         notices.append(
             f"{table.path}: each row has one form; if that is a mean over the grains of the bed, the predicted "
-            "porosity is too low, by about 0.01 for gravel: give mean_FL, std_FL, mean_EL, std_EL"
+            "porosity is too low, by 0.01 to 0.03 for gravel: give mean_FL, std_FL, mean_EL, std_EL"
         )
     rows = {name: row for row, name in names.items()}
 
@@ -225,17 +229,31 @@ def _name_rows(table, column):
     return replace(table, cells=cells), names, given
 
 
+def _columns_with_labels(table, column):
+    """Return the positions of the column with the names of the beds, or else of a first column of different texts.
+
+    Other columns may have words such as min, which is a state of a bed there.
+    """
+    position = sample_position(table.path, table.header, column)
+    if position is not None:
+        return [position]
+    first = min(table.cells)
+    texts = [text for text in table.cells[first] if text]
+    return [first] if len(set(texts)) == len(texts) else []
+
+
 def _check_repeats(path, beds, rows, given):
     """Raise a ValueError if two beds were given the same name and have different forms."""
     first_beds = {}
     for bed in beds:
         row = rows[bed.sample.name]
         other = first_beds.setdefault(given[row], bed)
-        if replace(other.sample, name="") != replace(bed.sample, name=""):
+        if other.sample.form != bed.sample.form:
             raise ValueError(
                 f"{path}, row {row}: {given[row]} is also the name of row {rows[other.sample.name]}, which has another "
-                "form, but each row is one bed. Rename one; if the rows are grains of one bed, give their means and "
-                "deviations in one row instead"
+                "form. If both are beds of one gravel, give both the mean form of its grains, so that they count as "
+                "repeats; if they are different gravels, rename one; if the rows are grains of one bed, give their "
+                "means and deviations in one row"
             )
 
 
@@ -245,7 +263,7 @@ def _check_grains(path, beds, rows):
         rows[bed.sample.name]
         for above, bed in pairwise(beds)
         if (above.n, str(above.n_error), above.case) == (bed.n, str(bed.n_error), bed.case)
-        and replace(above.sample, name="") != replace(bed.sample, name="")
+        and above.sample.form != bed.sample.form
     ]
     if 2 * len(same_bed) > len(beds) and all(bed.sample.one_form for bed in beds):
         raise ValueError(
@@ -275,8 +293,11 @@ def _read_porosity(where, texts, positions, percent):
             f"{where}: n_error = {n_error:g} is above {MAX_ERROR:g}, but n is a fraction{in_percent}; if it is "
             "unknown, leave it empty"
         )
-    if not 0 <= n_error < scale:
-        raise ValueError(f"{where}: n_error = {n_error:g}{unit} is not between 0 and {scale:g}{unit}; correct it")
+    if not 0 <= n_error <= MAX_ERROR * scale:
+        raise ValueError(
+            f"{where}: n_error = {n_error:g}{unit} is not between 0 and {MAX_ERROR * scale:g}{unit}; correct it; if it "
+            "is unknown, leave it empty"
+        )
     return n / scale, n_error / scale
 
 

@@ -66,6 +66,11 @@ class Sample:
     covariance: tuple | None = None
 
     @property
+    def form(self):
+        """Means and standard deviations of FL and EL, which repeats of a bed have in common."""
+        return self.mu_FL, self.sigma_FL, self.mu_EL, self.sigma_EL
+
+    @property
     def one_form(self):
         """Whether all grains have the same form, up to rounding."""
         return self.sigma_FL <= ALIKE * self.mu_FL and self.sigma_EL <= ALIKE * self.mu_EL
@@ -93,14 +98,15 @@ def read_measured(path, column=None):
     return samples_of_table(_read_table(path), column)
 
 
-def samples_of_table(table, column=None, of_beds=False, of=""):
+def samples_of_table(table, column=None, of_beds=False, of="", labels=None):
     """Return (samples, notices) as read_measured does, from a TextTable with a header.
 
     of_beds: each row is a bed, so that samples of a single row have no notice. of: text for notices on the classes of a
-    sample, " of the sample A".
+    sample, " of the sample A". labels: positions of the columns in which rows that summarise others are labelled, such
+    as Mean; None: all columns without the form.
     """
     path = table.path
-    rows = _read_rows(path, table, _recognise(path, table, column))
+    rows = _read_rows(path, table, _recognise(path, table, column), labels)
     kind, counts, noun = rows.columns.kind, rows.counts, rows.noun
     if kind == MEANS:
         samples = [_from_means(name, entries, counts, noun) for name, entries in rows.groups.items()]
@@ -177,9 +183,11 @@ class _Rows:
     noun: str
 
 
-def _read_rows(path, table, columns):
-    """Return the _Rows of a TextTable."""
-    cells, notices = _leave_out_summaries(path, table.cells, columns)
+def _read_rows(path, table, columns, labels=None):
+    """Return the _Rows of a TextTable; labels: as in samples_of_table."""
+    if labels is None:
+        labels = [i for i in table.cells if i not in columns.forms.values() and i != columns.counts]
+    cells, notices = _leave_out_summaries(path, table.cells, labels)
     if cells.empty:
         raise ValueError(f"{path}: there are no rows below the header; {NEEDED}")
     read = read_numbers if columns.kind == MEANS else read_counts
@@ -202,9 +210,9 @@ def _read_rows(path, table, columns):
     return _Rows(columns, groups, counts, [f"{path}: {notice}" for notice in notices], noun)
 
 
-def _leave_out_summaries(path, cells, columns):
-    """Return the cells without the rows that summarise others, and notices."""
-    labels = find_summary_rows(cells[[i for i in cells if i not in columns.forms.values() and i != columns.counts]])
+def _leave_out_summaries(path, cells, positions):
+    """Return the cells without the rows that a label in one of these columns marks as summaries, and notices."""
+    labels = find_summary_rows(cells[positions])
     if not labels:
         return cells, []
     rows = ", ".join(f"row {row} ({label})" for row, label in labels.items())

@@ -14,6 +14,7 @@ import numpy as np
 
 from simcore.evaluation.confidence import student_quantile
 from simcore.models.regression import PorosityModel, varies
+from simcore.models.scatter import scatter_of
 
 CORRECTIONS = {"offset": 1, "rescaling": 2}  # number of fitted coefficients
 
@@ -34,7 +35,8 @@ def correct_model(base, kind, features, porosity, name, case):
 
     kind: key of CORRECTIONS. features: table (n, m) with the features of `base`. Returns the corrected PorosityModel,
     and the OLS results of statsmodels for the coefficients a (and b). The range of the corrected model is that of
-    `base`; its bootstrap intervals are nan.
+    `base`; its bootstrap intervals are nan. If the scatter of `base` grows with its first feature, so does that of
+    the corrected model, scaled to the measured beds.
     """
     # Imported here because it loads slowly and a prediction needs no fit.
     from statsmodels.regression.linear_model import OLS
@@ -51,6 +53,9 @@ def correct_model(base, kind, features, porosity, name, case):
     errors = np.sqrt(np.diag(covariance))
     half = student_quantile(0.95, result.df_resid) * errors
     unknown = (np.nan,) * len(own)
+    scatter = float(np.sqrt(result.mse_resid))
+    over_base = result.resid / scatter_of(design, base.scatter, base.scatter_line)
+    growth = np.sqrt(np.sum(over_base**2) / result.df_resid)
     model = PorosityModel(
         name=name,
         case=case,
@@ -62,7 +67,8 @@ def correct_model(base, kind, features, porosity, name, case):
         bootstrap_lower=unknown,
         bootstrap_upper=unknown,
         covariance=tuple(map(tuple, covariance.tolist())),
-        scatter=float(np.sqrt(result.mse_resid)),
+        scatter=scatter,
+        scatter_line=base.scatter_line and tuple(float(growth * value) for value in base.scatter_line),
         minimum=base.minimum,
         maximum=base.maximum,
         r_squared=float(1.0 - result.ssr / np.sum((y - y.mean()) ** 2)) if varies(y) else np.nan,

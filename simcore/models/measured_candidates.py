@@ -70,9 +70,8 @@ def group_repeats(measured):
     """Return lists of MeasuredBed with the same form and, if they have one, the same sieve curve."""
     groups = {}
     for bed in measured:
-        form, curve = bed.sample, bed.curve
-        values = (form.mu_FL, form.sigma_FL, form.mu_EL, form.sigma_EL)
-        values += () if curve is None else (*curve.bounds, *curve.mass_fractions)
+        curve = bed.curve
+        values = bed.sample.form + (() if curve is None else (*curve.bounds, *curve.mass_fractions))
         groups.setdefault(tuple(f"{value:.8g}" for value in values), []).append(bed)
     return list(groups.values())
 
@@ -86,6 +85,32 @@ def means_of_repeats(groups):
         rows.append((group[0].sample.name, n.mean(), np.sqrt(np.sum(errors**2)) / len(n), len(n)))
     beds = pd.DataFrame(rows, columns=["name", "n", "n_error", "repeats"])
     return beds, float(np.sqrt(squares / freedom)) if freedom else np.nan
+
+
+def for_single_beds(candidate, repeats, repeat_scatter):
+    """Return a Candidate whose model has the scatter of single beds instead of that of means of repeats.
+
+    repeats (n,): number of repeats of each bed. repeat_scatter: standard deviation of repeats about their means, nan
+    without repeats.
+    """
+    model = candidate.model
+    if model is None or np.isnan(repeat_scatter):
+        return candidate
+    scatter = float(np.sqrt(model.scatter**2 + _lost_in_means(repeats, repeat_scatter)))
+    changes = {"scatter": scatter}
+    if getattr(model, "scatter_line", None) is not None:
+        changes["scatter_line"] = tuple(scatter / model.scatter * value for value in model.scatter_line)
+    return candidate._replace(model=replace(model, **changes))
+
+
+def scatter_of_means(model, repeats, repeat_scatter):
+    """Return the scatter of the means of repeats about a model of `for_single_beds`."""
+    return float(np.sqrt(max(model.scatter**2 - _lost_in_means(repeats, repeat_scatter), 0.0)))
+
+
+def _lost_in_means(repeats, repeat_scatter):
+    """Return the part of the variance of single beds that their means do not have, 0 without repeats."""
+    return 0.0 if np.isnan(repeat_scatter) else repeat_scatter**2 * float(np.mean(1.0 - 1.0 / np.asarray(repeats)))
 
 
 def left_out_errors(columns, y):

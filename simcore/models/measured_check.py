@@ -10,7 +10,14 @@ from simcore.models.measured_file import MEASURED
 from simcore.models.measured_plausibility import question_beds
 from simcore.models.measured_prediction import models_for
 from simcore.models.measured_table import describe_models, given_case, read_beds, written_by_fit
-from simcore.models.prediction import kind_of_bed, model_case, predict_preferred, predict_sample, published_models
+from simcore.models.prediction import (
+    ONE_CLASS,
+    kind_of_bed,
+    model_case,
+    predict_preferred,
+    predict_sample,
+    published_models,
+)
 from simcore.models.size_and_form.bed_prediction import predict_curve, sized_model
 from simcore.scene.sizes import all_cases
 
@@ -104,7 +111,10 @@ def _describe_left_out(case, number, fitted, models):
     remedy = ""
     if models is None and case:
         curve = case if case in all_cases() else "a file, or a listed curve such as U3,"
-        remedy = f"; for our model of sieve curve and form, give {curve} as --sieve or in a column sieve, not as a case"
+        remedy = (
+            f"; for our model of sieve curve and form, give {curve} as --sieve or in a column sieve, not as a case"
+            + ("" if case in all_cases() else f"; for beds of any single sieve class the case is {ONE_CLASS}")
+        )
     return f"{what}; {describe_models(fitted, models)}{remedy}"
 
 

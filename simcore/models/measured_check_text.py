@@ -17,7 +17,11 @@ def describe_check(result, path, models, reason=""):
         lines += [*_describe_model(check, path), ""]
     for sentence in result.left_out:
         lines += [*wrap(f"Left out: {sentence}."), ""]
-    how = f"Nothing is fitted. To correct the models of {models} with these beds, give --out NEW_MODEL.json."
+    how = (
+        f"Nothing is fitted. With --out NEW_MODEL.json a correction is fitted to these beds only: of the models of "
+        f"{models} for a case, and of our model, in place of the former correction, for sieve curves. To use all beds, "
+        "put them into one table."
+    )
     lines += wrap(f"Nothing is fitted. {reason[0].upper()}{reason[1:]}." if reason else how)
     return "\n".join(lines)
 

@@ -22,6 +22,7 @@ from simcore.models.measured_candidates import (
     agreement,
     choose,
     fitted_candidate,
+    for_single_beds,
     group_repeats,
     left_out_errors,
     means_of_repeats,
@@ -109,6 +110,7 @@ def fit_curves(measured, fitted):
     forms, form_model = describe_forms([bed.sample for bed in first_of], one_class)
     constants = {"forms": forms, "form_model": form_model, "sized": model, "one_class": one_class}
     candidates = [_fit_correction(kind, beds, np.transpose(parts), constants) for kind in CORRECTIONS]
+    candidates = [for_single_beds(item, beds.repeats, repeat_scatter) for item in candidates]
     chosen = choose(candidates)
     behind = f"{chosen.kind} of the model of {OURS}, {len(beds)} measured beds"
     chosen = chosen._replace(model=replace(chosen.model, behind=behind))

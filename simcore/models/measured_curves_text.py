@@ -88,8 +88,12 @@ def sentences(fit):
         if row.lower <= 1 <= row.upper:
             texts.append(f"The factor of the rescaling, {span}, does not differ from 1 at 95 % confidence.")
         else:
-            side = "less" if row.value < 1 else "more"
-            texts.append(f"The factor of the rescaling is {span}: sizes and form act {side} than in our model.")
+            what = (
+                "sizes and form act less than in our model, or the curves and forms have errors, which lower it too"
+                if row.value < 1
+                else "sizes and form act more than in our model"
+            )
+            texts.append(f"The factor of the rescaling is {span}: {what}.")
     texts += describe_errors(fit)
     texts += validity(fit)
     return texts

@@ -19,7 +19,10 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from simcore.grains.form_notices import SHOWN
+from simcore.grains.text_lists import join_first
 from simcore.models.correction import CORRECTIONS, correct_model, regressors
+from simcore.models.few_grains import few_grains_errors
 from simcore.models.measured_candidates import (
     AGREEMENT,
     BEDS_NEEDED,
@@ -30,6 +33,7 @@ from simcore.models.measured_candidates import (
     agreement,
     choose,
     fitted_candidate,
+    for_single_beds,
     group_repeats,
     left_out_errors,
     means_of_repeats,
@@ -44,6 +48,7 @@ from simcore.models.measured_prediction import models_for
 from simcore.models.measured_table import given_case, read_beds
 from simcore.models.mixtures import MIXTURE
 from simcore.models.prediction import (
+    ONE_CLASS,
     describe_model,
     kind_of_bed,
     model_case,
@@ -55,6 +60,7 @@ from simcore.models.regression import PorosityModel
 from simcore.models.regression import fit as fit_features
 from simcore.models.single_form import SINGLE_FORM
 from simcore.models.unified import UNIFIED
+from simcore.scene.sizes import all_cases
 
 BEDS_PER_COEFFICIENT = 3
 FEATURE_SETS = {
@@ -71,7 +77,8 @@ class CaseFit:
 
     case: of the models. given: its name in messages: ONE_CLASS if the case of all beds was given so, else `case`. beds:
     DataFrame with one row per bed: name, n, n_error (nan if unknown), repeats, all features of the models, and
-    predicted: by `base`, or, if there is none, by that of our models which is preferred for the bed, else nan.
+    predicted: by `base`, or, if there is none, by that of our models which is preferred for the bed, else nan;
+    form_error: standard error of `predicted` by the limited number of measured grains, nan if it is unknown.
     only_kind: "one form" or "a distribution of form" if all beds are of this kind, else None. repeat_scatter: standard
     deviation of repeats about their means, nan without repeats. agreement: DataFrame with the columns AGREEMENT, one
     row per model: number of beds for which it is evaluated, bias (mean of predicted minus measured porosity) with its
@@ -213,8 +220,10 @@ def fit_case(measured, case, fitted, features="single_form"):
     predictions = _predict(samples, case, fitted)
     base, reason = _find_base(predictions, samples, case, fitted)
     base_model = fitted.models[base, case] if base else None
+    beds["form_error"] = few_grains_errors(base_model, samples) if base else np.nan
     beds["predicted"] = base_model.predict(beds) if base else _preferred(predictions, len(beds))
     candidates = fit_candidates(base_model, beds, case, features, reason)
+    candidates = [for_single_beds(item, beds.repeats, repeat_scatter) for item in candidates]
     if not any(item.model for item in candidates):
         reasons = "; ".join(dict.fromkeys(item.reason for item in candidates))
         raise ValueError(f"case {given}: no model can be fitted to its {len(beds)} beds: {reasons}")
@@ -287,20 +296,34 @@ def _find_base(predictions, samples, case, fitted):
     """
     ours = {model: rows for (by, model), rows in predictions.items() if by == "ours"}
     if not ours:
-        return "", f"there is no model of ours for case {case} and beds of this kind to correct"
-    suitable = {}
-    reasons = []
+        return "", f"there is no model of ours for case {case} and beds of this kind to correct{_remedy(case, fitted)}"
+    suitable, reasons, without = {}, [], []
     for model, rows in ours.items():
         missing = [i for i, row in enumerate(rows) if row is None or row["refused"]]
         if not missing:
             suitable[model] = -sum(row["preferred"] for row in rows), fitted.models[model, case].mean_absolute_error
         else:
-            row = rows[missing[0]]
+            row, without = rows[missing[0]], min([without or missing, missing], key=len)
             why = row["refused"] if row else "the model is for beds of another kind"
             reasons.append(f"{describe_model('ours', model)} is not evaluated for {samples[missing[0]].name}: {why}")
     if suitable:
         return min(suitable, key=suitable.get), ""
-    return "", f"none of our models is evaluated for all beds ({'; '.join(reasons)})"
+    others = len(samples) - len(without)
+    names = join_first([samples[i].name for i in without], SHOWN)
+    remedy = f"; remove {names} to correct a model to the other {others}" if others >= BEDS_NEEDED["offset"] else ""
+    return "", f"none of our models is evaluated for all beds ({'; '.join(reasons)}){remedy}"
+
+
+def _remedy(case, fitted):
+    """Return what to do if none of the FittedModels is for the beds of a case, as a clause, or ""."""
+    if case in fitted.cases():
+        return ""
+    if case in all_cases():
+        return f"; for our model of sieve curve and form, give --sieve {case} instead of the case"
+    return (
+        f"; for beds of any single sieve class give {ONE_CLASS} as their case, and for a sieve curve of your own "
+        "--sieve CURVE.csv instead of the case"
+    )
 
 
 def fit_candidates(base, beds, case, features="single_form", reason=""):

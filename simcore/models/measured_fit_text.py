@@ -173,10 +173,11 @@ def _describe_terms(case):
         span = f"{row.value:.2f} ({row.lower:.2f} to {row.upper:.2f})"
         if row.lower <= 1 <= row.upper:
             texts.append(f"The factor of the rescaling, {span}, does not differ from 1 at 95 % confidence.")
-        else:
-            effect = f"a {'weaker' if row.value < 1 else 'stronger'} effect than" if row.value >= 0 else ""
-            effect = effect or "the opposite of the effect"
+        elif row.value > 1 or row.value < 0:
+            effect = "a stronger effect than" if row.value > 1 else "the opposite of the effect"
             texts.append(f"The factor of the rescaling is {span}: form has {effect} in our model.")
+        else:
+            texts.append(f"The factor of the rescaling is {span}: {_describe_weaker(case, row.upper)}.")
     if features.model is not None:
         open_terms = [row for row in features.coefficients.iloc[1:].itertuples() if row.lower <= 0 <= row.upper]
         for row in open_terms:
@@ -185,6 +186,23 @@ def _describe_terms(case):
                 f"({row.lower:.4f} to {row.upper:.4f})."
             )
     return texts
+
+
+def _describe_weaker(case, upper):
+    """Return a clause on a factor below 1, which errors of the measured forms lower too; upper: end of its interval."""
+    errors, predicted = case.beds.form_error.to_numpy(), case.beds.predicted.to_numpy()
+    if not np.isfinite(errors).all():
+        return (
+            "form has a weaker effect than in our model, or few grains of each bed were measured, because errors of "
+            "the measured forms lower this factor too"
+        )
+    expected = max(1.0 - np.mean(errors**2) / np.var(predicted, ddof=1), 0.0)
+    if upper < expected or not errors.any():
+        return "form has a weaker effect than in our model"
+    return (
+        f"because only some grains of each bed were measured, {expected:.2f} is expected if form has the same effect "
+        "as in our model, so these beds do not show a weaker one"
+    )
 
 
 def _coefficients(model):

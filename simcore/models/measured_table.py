@@ -2,7 +2,7 @@
 
 from simcore.grains.measured_beds import CurveReader, read_measured_beds
 from simcore.models.measured_file import MEASURED
-from simcore.models.prediction import ONE_CLASS, model_case
+from simcore.models.prediction import ONE_CLASS, model_case, standard_case
 from simcore.scene.sizes import all_cases
 
 
@@ -29,7 +29,7 @@ def written_by_fit(fitted):
 
 def given_case(measured, case):
     """Return the name of a case of the models in messages: ONE_CLASS if it was given so for all of the MeasuredBeds."""
-    return ONE_CLASS if all(bed.case == ONE_CLASS for bed in measured) else case
+    return ONE_CLASS if all(standard_case(bed.case) == ONE_CLASS for bed in measured) else case
 
 
 def describe_models(fitted, models):

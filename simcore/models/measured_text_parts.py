@@ -6,6 +6,7 @@ import textwrap
 import numpy as np
 
 from simcore.grains.text_columns import text_columns
+from simcore.models.measured_candidates import scatter_of_means
 from simcore.models.prediction import other_kind
 
 WIDTH = 116
@@ -40,13 +41,14 @@ def table_of_beds(beds, model):
     """Return the lines on the measured and predicted porosities of a CaseFit or CurveFit; the last line is empty.
 
     model: name of the one that predicts. No lines are returned if no bed is predicted. If there are more than LISTED
-    beds, those with the largest differences are listed, the largest first.
+    beds, those with the largest differences are listed, the largest first, after those that are not predicted.
     """
     if beds.predicted.isna().all():
         return []
     beds, text = beds.assign(difference=beds.predicted - beds.n), f"Measured porosity and the prediction of {model}"
     if len(beds) > LISTED:
-        largest = beds.difference.abs().sort_values(ascending=False, kind="stable").index[:LISTED]
+        sizes = beds.difference.abs()
+        largest = sizes.sort_values(ascending=False, kind="stable", na_position="first").index[:LISTED]
         beds, text = beds.loc[largest], f"{text}: the {LISTED} of {len(beds)} beds with the largest difference"
     cells = [["bed", "measured", "predicted", "difference"]]
     for bed in beds.itertuples():
@@ -76,7 +78,7 @@ def sentences_on_reasons(case):
 
 def describe_errors(case):
     """Return sentences on how the errors of the porosities and the repeats compare with the scatter."""
-    texts, scatter = [], case.chosen.model.scatter
+    texts, scatter = [], scatter_of_means(case.chosen.model, case.beds.repeats, case.repeat_scatter)
     errors = case.beds.n_error
     if errors.notna().all():
         given = float(np.sqrt(np.mean(errors**2)))
@@ -92,8 +94,8 @@ def describe_errors(case):
         )
     if not math.isnan(case.repeat_scatter):
         texts.append(
-            f"Repeats of the same form scatter by {case.repeat_scatter:.4f}. Their mean counts as one bed, so the "
-            "interval is for the mean of as many repeats."
+            f"Repeats of the same form scatter by {case.repeat_scatter:.4f}. Their mean counts as one bed; the "
+            "interval is for a single bed, whose scatter contains that of repeats."
         )
     return texts
 

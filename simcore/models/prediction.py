@@ -4,6 +4,7 @@ A model is evaluated only inside its fitted range or not far outside it (simcore
 outside (0, 1) is returned, neither as a prediction nor as an end of its interval.
 """
 
+import re
 from functools import cache
 from itertools import product
 
@@ -36,8 +37,22 @@ NO_MODEL = "no model was fitted"
 PREDICTION = ["by", "model", "preferred", "n", "lower", "upper", "few_grains_error", "outside", "distance", "refused"]
 
 
+def standard_case(case):
+    """Return ONE_CLASS, or the name of a listed sieve curve, that `case` is written like; otherwise `case` itself.
+
+    Upper and lower case, hyphens, underscores and spaces do not matter.
+    """
+    names = {_letters(name): name for name in (*all_cases(), ONE_CLASS)}
+    return case if case in all_cases() else names.get(_letters(case), case)
+
+
+def _letters(case):
+    return re.sub(r"[-_\s]", "", case).lower()
+
+
 def model_case(case):
-    """Return the case whose models are used for `case`: U1 for ONE_CLASS, else `case` itself."""
+    """Return the case whose models are used for `case`: U1 for ONE_CLASS, else that of standard_case."""
+    case = standard_case(case)
     return _OF_ONE_CLASS if case == ONE_CLASS else case
 
 

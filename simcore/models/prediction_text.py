@@ -7,6 +7,7 @@ import numpy as np
 from simcore.grains.measured_forms import FEWEST_FOR_ERRORS, read_two_axes
 from simcore.grains.text_columns import text_columns
 from simcore.models.fitted_range import FAR, NEAR
+from simcore.models.measured_file import MEASURED
 from simcore.models.measured_prediction import check_level, models_for_cases, predict_measured
 from simcore.models.measured_text_parts import records
 from simcore.models.nearly_round import nearly_round_caveats
@@ -17,6 +18,7 @@ from simcore.models.prediction import (
     describe_model,
     model_case,
     remedy_without_model,
+    standard_case,
 )
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS, predict_two_axes, two_axes_text
 from simcore.reference.r22_tables import read_r22_models
@@ -59,7 +61,7 @@ def describe(table, case, fitted, level=0.95):
     table: result of predict_samples with the same case, fitted and level.
     """
     lines = [f"Porosity of a bed, case {model_case(case)}, with {100 * level:g} % prediction intervals"]
-    if case == ONE_CLASS:
+    if standard_case(case) == ONE_CLASS and (MEASURED, model_case(case)) not in fitted.models:
         lines.append(
             "(U1's models are used: only ratios of sizes affect porosity, so any single sieve class packs like U1)"
         )
@@ -91,9 +93,10 @@ def _describe_missing_models(table, case, fitted):
     """Return lines that list the samples that none of our models predicts, with the reason."""
     lines, ours_exist = [], case in fitted.cases()
     if not ours_exist:
-        available = ", ".join(fitted.cases())
+        available, of_fit = ", ".join(fitted.cases()), any(name == MEASURED for name, _ in fitted.models)
+        why = f"your fit is for {available}" if of_fit else f"ours were fitted to {available}"
         lines.append(
-            f"Only the model of Rettinger et al. is used: ours were fitted to {available}, not to {case}. For an "
+            f"Only the model of Rettinger et al. is used: {why}, not {'for' if of_fit else 'to'} {case}. For an "
             f"interval, {remedy_without_model(case)}."
         )
     none = table.groupby("name").n.transform("count") == 0
@@ -134,7 +137,7 @@ def _samples_in_columns(table):
                 f"{sample.mu_FL:.3f} ± {sample.sigma_FL:.3f}",
                 f"{sample.mu_EL:.3f} ± {sample.sigma_EL:.3f}",
                 _cell(preferred),
-                preferred.model.iloc[0] if len(preferred) else "-",
+                preferred.model.iloc[0].replace(MEASURED, "your fit") if len(preferred) else "-",
                 _cell(other),
                 _cell(r22),
             ]

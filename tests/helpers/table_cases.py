@@ -137,8 +137,7 @@ SIEVES = [
     ),
     Case(
         "opening [mm],mass [g]\n16,0\n8,x\n4,-3\n2,\npan,-1\n",
-        error="row 3: mass [g] is 'x'; a number is needed; enter it, or remove the row; rows 4, 5, 6 have "
-        "errors too",
+        error="row 3: mass [g] is 'x'; a number is needed; enter it, or remove the row; rows 4, 5, 6 have errors too",
     ),
     Case(
         "opening [mm],mass [g]\n16,0\nno 10,10\n1,30\n-0.5,5\npan,1\n",
@@ -569,6 +568,16 @@ GRAINS = [
     Case(
         "L [mm];I [mm];S [mm]\n4;3;2\n5;NA;3\n6;4;3\n",
         error="row 3: I is 'NA'; a number is needed; enter it, or remove the row",
+    ),
+    Case(
+        "L [mm];I [mm];S [mm]\n4.1 ± 0.2;3;2\n",
+        error="row 2: L is '4.1 ± 0.2'; a number is needed; write its error into a column of its own",
+    ),
+    Case(
+        "sample;number;mean_FL;std_FL;mean_EL;std_EL\n"
+        + "".join(f"{'abcdef'[i]};{number};.6;.1;.7;.1\n" for i, number in enumerate((101, 103, 107, 108, 109, 112))),
+        error="the numbers in the column number rise from row to row; rename the column to `id` if they number the "
+        "samples, or to `count` if they are numbers of grains",
     ),
     Case(
         "number;FL;EL\n11;.5;.7\n12;.6;.7\n14;.5;.6\n15;.5;.7\n17;.6;.7\n18;.5;.6\n",

@@ -89,7 +89,7 @@ def test_an_offset_is_the_mean_difference_with_one_degree_of_freedom_less():
 def test_the_slopes_of_an_inexact_model_count_with_the_distance_from_the_beds():
     """The variance of an offset is scatter² (1 + 1/n) + (x - mean)ᵀ V (x - mean), with V of the slopes."""
     rng = np.random.default_rng(1)
-    base = base_model(rng)
+    base = replace(base_model(rng), scatter_line=None)
     forms, new = random_forms(8, rng, (1.6, 1.15), (2.2, 1.3)), random_forms(6, rng)
     model, _ = correct_model(base, "offset", forms, porosity(forms) + 0.003 * rng.normal(size=8), "measured", "U1")
     away = new.to_numpy() - forms.mean().to_numpy()
@@ -99,6 +99,19 @@ def test_the_slopes_of_an_inexact_model_count_with_the_distance_from_the_beds():
     n, _, upper = model.predict_interval(new)
     assert inside.sum() >= 4
     np.testing.assert_allclose((upper - n)[inside], (student.ppf(0.975, 7) * np.sqrt(variance))[inside])
+
+
+def test_the_scatter_grows_as_that_of_the_model_that_is_corrected():
+    """Beds of compact grains determine the scatter of long ones by the law of the model; it is scaled to these beds."""
+    rng = np.random.default_rng(3)
+    base = replace(exact(base_model(rng)), scatter=0.004, scatter_line=(-0.001, 0.002))
+    forms = random_forms(4000, rng, (1.6, 1.15), (2.2, 1.3))
+    own = 0.5 * (-0.001 + 0.002 * forms.EQ_inv)
+    measured = base.predict(forms) + 0.01 + own * rng.normal(size=4000)
+    model, _ = correct_model(base, "offset", forms, measured, "measured", "U1")
+    np.testing.assert_allclose(model.scatter_line, (-0.0005, 0.001), rtol=0.05)
+    n, _, upper = model.predict_interval(pd.DataFrame({"EQ_inv": [4.0], "EL_inv": [1.5]}))
+    assert (upper - n).item() == pytest.approx(1.96 * 0.0035, rel=0.05)
 
 
 @pytest.mark.parametrize("kind", ["offset", "rescaling"])

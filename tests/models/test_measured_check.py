@@ -130,7 +130,8 @@ def test_beds_of_a_case_without_a_model_are_left_out_with_the_remedy(write, case
     path = write(f"A,{case},0.35,{FORM}", f"B,U1,0.36,{FORM}", head=HEAD.replace("n,", "case,n,"))
     (left_out,) = check_models(path).left_out
     assert left_out.startswith(f"case {case}: 1 row")
-    assert left_out.endswith(f"give {curve} as --sieve or in a column sieve, not as a case")
+    assert f"give {curve} as --sieve or in a column sieve, not as a case" in left_out
+    assert left_out.endswith("for beds of any single sieve class the case is one-class") == (case == "bar")
 
 
 def test_beds_that_cannot_be_predicted_are_an_error_beside_too_few_of_a_case(write, capsys):

@@ -214,9 +214,9 @@ def test_predict_takes_the_model_that_fit_wrote(tmp_path, capsys):
     assert (after.model == "measured").all() and (after.outside == "").all()
     np.testing.assert_allclose(after.n.to_numpy() - before.n.to_numpy(), 0.02, atol=1e-9)
     half = (after.upper - after.lower) / 2
-    assert (half > 2.776 * 0.002 * np.sqrt(1 + 1 / 5)).all() and (
-        half < 0.02
-    ).all()  # Student's t, 4 degrees of freedom
+    # Student's t has 4 degrees of freedom; long and flat grains scatter more than compact ones.
+    assert half.mean() > 2.776 * 0.002 * np.sqrt(1 + 1 / 5) and (half < 0.02).all()
+    assert np.corrcoef(half, 1 / (forms.FL * forms.EL))[0, 1] > 0.9
     (tmp_path / "wide.csv").write_text("mean_FL,std_FL,mean_EL,std_EL\n0.65,0.15,0.7,0.12\n")
     words = ["predict", str(tmp_path / "wide.csv"), "--case", "one-class", "--models", str(tmp_path / "model.json")]
     assert main(words) == 0

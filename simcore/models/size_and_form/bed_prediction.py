@@ -110,8 +110,8 @@ def _require_rhine(row):
     if not np.isfinite(row["n"]):
         raise ValueError(
             "predictions from sieve curves compare with the one-class porosity of the Rhine's gravel, which these "
-            f"models do not give: {row['refused']}; add beds with a distribution of form to those of the models, or "
-            "leave out --models to use the committed ones"
+            f"models do not give: {row['refused']}; fit a model to beds whose forms, with their distributions, include "
+            "those of the Rhine's gravel, or leave out --models to use the committed ones"
         )
     return row
 

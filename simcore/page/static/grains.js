@@ -120,14 +120,8 @@ const Grains = (() => {
     const values = [...weights.values()];
     if (numbersRows(title, values)) return [null, [describeRunning(title)]];
     const counted = values.every(Number.isInteger) && !PERCENT.test(title);
-    const rise = values.length >= DATA.reading.fewest_ids && values.every((v, i) => !i || v > values[i - 1]);
-    if (counted && rise && Columns.mayNumberRows(title)) {
-      throw new InputError(
-        `${name}: the numbers in the column ${title} rise from row to row; rename the column to \`id\` if they number ` +
-          "the grains, or to `count` if they are numbers of grains"
-      );
-    }
     if (counted) {
+      refuseRising(name, title, values, "grains");
       const total = values.reduce((sum, value) => sum + value, 0).toFixed(0);
       return [{ weights, whole: true }, [`the column ${title} is the number of grains of each row, ${total} in all`]];
     }
@@ -148,8 +142,20 @@ const Grains = (() => {
     }
     const weights = new Map(texts.map(({ row, text }) => [row, Number(text)]));
     if (numbersRows(title, [...weights.values()])) return [null, [describeRunning(title)]];
-    const notice = `the column ${title} is the number of grains of each ${columns.noun}; FL and EL are assumed to be independent`;
+    const noun = columns.noun;
+    refuseRising(name, title, [...weights.values()], noun.endsWith("s") ? `${noun}es` : `${noun}s`);
+    const notice = `the column ${title} is the number of grains of each ${noun}; FL and EL are assumed to be independent`;
     return [{ weights, whole: true }, [notice]];
+  }
+
+  // Refuses whole numbers that rise from row to row in a column that may number them; rows: what they are.
+  function refuseRising(name, title, values, rows) {
+    const rise = values.length >= DATA.reading.fewest_ids && values.every((v, i) => !i || v > values[i - 1]);
+    if (!rise || !Columns.mayNumberRows(title)) return;
+    throw new InputError(
+      `${name}: the numbers in the column ${title} rise from row to row; rename the column to \`id\` if they number ` +
+        `the ${rows}, or to \`count\` if they are numbers of grains`
+    );
   }
 
   // A column that can only be a number of grains needs many rows and a 1 to be taken for numbers of rows.

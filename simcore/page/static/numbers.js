@@ -26,6 +26,11 @@ const Numbers = (() => {
         `${where}: ${name} is '${text}'; a spreadsheet took the number for a date: format the column as text, and enter it`
       );
     }
+    if (/±|\+-|\+\/-/.test(plain)) {
+      throw new InputError(
+        `${where}: ${name} is '${text}'; a number is needed; write its error into a column of its own`
+      );
+    }
     const commas = plain.split(",").length - 1;
     const points = plain.split(".").length - 1;
     if ((commas && points) || commas > 1 || points > 1 || SPLIT.test(plain)) {
