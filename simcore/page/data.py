@@ -10,7 +10,7 @@ from simcore.grains.statistics import STATISTICS
 from simcore.grains.summary_rows import label_patterns
 from simcore.models import prediction
 from simcore.models.feature_words import feature_in_words
-from simcore.models.few_grains import MOST_FREEDOM, RELATIVE_STEP
+from simcore.models.few_grains import ENOUGH_GRAINS, MOST_FREEDOM, RELATIVE_STEP
 from simcore.models.fitted_range import FAR, NEAR, WIDENING
 from simcore.models.formulas import SYMBOLS
 from simcore.models.measured_file import MEASURED
@@ -60,6 +60,7 @@ def page_data(fitted, r22_tables=R22_TABLES):
             "statistics": STATISTICS,
             "relative_step": RELATIVE_STEP,
             "fewest": measured_forms.FEWEST_FOR_ERRORS,
+            "enough": ENOUGH_GRAINS,
             "without": WITHOUT_FEW_GRAINS,
             "rhine": {name: float(rhine_statistics(r22_tables)[name]) for name in ("sigma_FL", "sigma_EL")},
             "quantiles": {f"{level:g}": _quantiles(level) for level in LEVELS},

@@ -12,6 +12,7 @@ from simcore.models.prediction import sample_features
 from simcore.models.scatter import scatter_of
 from simcore.models.unified import unified_features
 from simcore.paths import ROOT
+from simcore.reference.r22_tables import read_r22_table, rhine_statistics
 
 GRAINS = ROOT / "examples" / "grains.csv"
 DRAWS = 1000
@@ -42,9 +43,10 @@ def error_of(model, axes, path, **columns):
 def test_the_sampling_error_is_that_of_drawing_the_grains_again(model, tmp_path):
     axes = pd.read_csv(GRAINS).to_numpy(float)
     assert error_of(model, axes, tmp_path / "grains.csv") == pytest.approx(one_class_scatter(model, axes, 40), rel=0.1)
-    # The spread of ten grains is not that of all forty.
-    ten = axes[:10]
-    assert error_of(model, ten, tmp_path / "ten.csv") == pytest.approx(one_class_scatter(model, ten, 10), rel=0.2)
+    # The spread of twenty grains is not that of all forty.
+    twenty = axes[:20]
+    error = error_of(model, twenty, tmp_path / "twenty.csv")
+    assert error == pytest.approx(one_class_scatter(model, twenty, 20), rel=0.2)
 
 
 def test_the_sampling_error_falls_with_the_root_of_the_number_of_grains(model, tmp_path):
@@ -57,7 +59,7 @@ def test_the_sampling_error_falls_with_the_root_of_the_number_of_grains(model, t
     assert np.isnan(error_of(model, axes, tmp_path / "weighted.csv", number=2.5))
 
 
-@pytest.mark.parametrize("number, share", [(2, 0.95), (3, 0.95), (4, 0.95), (5, 0.93), (10, 0.93), (40, 0.93)])
+@pytest.mark.parametrize("number, share", [(2, 0.95), (4, 0.95), (5, 0.95), (10, 0.95), (40, 0.93)])
 def test_intervals_of_few_grains_contain_the_porosity_of_all_grains(model, number, share):
     """Draws of so many grains; the porosity of a bed of all forty is inside at least as often as stated."""
     axes = pd.read_csv(GRAINS)
@@ -72,7 +74,28 @@ def test_intervals_of_few_grains_contain_the_porosity_of_all_grains(model, numbe
         sample_features(samples), 0.95, few_grains_half(samples, few_grains_errors(model, samples), 0.95)
     )
     inside = (lower < beds) & (beds < upper)
-    assert share <= inside.mean() <= 0.99
+    assert share <= inside.mean() <= 0.995
+
+
+@pytest.mark.parametrize("number", [3, 5, 10])
+def test_intervals_of_few_grains_of_a_varied_gravel_contain_its_porosity(model, number):
+    """Grains that differ as the Rhine's: five to ten of them may be alike by chance, which must not narrow intervals."""
+    rng, rhine = np.random.default_rng(2), rhine_statistics()
+
+    def table_of(count, samples):
+        FL, EL = (
+            np.clip(rng.normal(rhine[f"mu_{name}"], rhine[f"sigma_{name}"], count * samples), 0.1, 1.0)
+            for name in ("FL", "EL")
+        )
+        columns = ["sample", "FL", "EL"]
+        cells = pd.DataFrame({0: np.repeat(np.arange(samples), count), 1: FL, 2: EL}).astype(str)
+        return samples_of_table(TextTable(GRAINS, columns, cells, []))[0]
+
+    of_all = model.predict(sample_features(table_of(20_000, 1))).item()
+    samples = table_of(number, 400)
+    half = few_grains_half(samples, few_grains_errors(model, samples), 0.95)
+    inside = np.abs(model.predict(sample_features(samples)) - of_all) < half
+    assert 0.92 <= inside.mean() <= 0.98
 
 
 def test_fewer_than_five_grains_have_the_error_of_grains_that_differ_as_much_as_those_of_the_rhine(model, tmp_path):
@@ -83,11 +106,14 @@ def test_fewer_than_five_grains_have_the_error_of_grains_that_differ_as_much_as_
     assert error_of(model, axes[[0] * 5], tmp_path / "alike.csv") == 0.0
 
 
-@pytest.mark.parametrize("grains, stated", [(40, "0.004"), (10, "0.007")])
-def test_few_grains_have_the_stated_error(model, grains, stated):
-    samples, _ = read_measured(GRAINS)
-    error = few_grains_errors(model, samples)[0] * np.sqrt(39 / (grains - 1))
-    assert f"{error:.3f}" == stated
+@pytest.mark.parametrize("grains, stated", [(40, "0.003 to 0.009 for forty"), (10, "0.007 to 0.019 for ten")])
+def test_few_grains_of_measured_gravels_have_the_stated_error(model, grains, stated):
+    measured = read_r22_table("table2_form_statistics")[["mu_FL", "sigma_FL", "mu_EL", "sigma_EL"]]
+    columns = ["mean_FL", "std_FL", "mean_EL", "std_EL", "grains"]
+    cells = measured.assign(grains=grains).astype(str).set_axis(range(5), axis=1)
+    samples, _ = samples_of_table(TextTable(GRAINS, columns, cells, []))
+    errors = few_grains_errors(model, samples)
+    assert stated.startswith(f"{errors.min():.3f} to {errors.max():.3f} ")
     for name in ("predict_from_a_sieve_curve.md", "predict.md"):
         text = (ROOT / "docs" / "how_to" / name).read_text(encoding="utf-8")
-        assert f"{stated} for {'forty' if grains == 40 else 'ten'}" in " ".join(text.split()), name
+        assert stated in " ".join(text.split()), name

@@ -2,7 +2,7 @@
 const Prediction = (() => {
   const { general } = Numbers;
   const { near, far, widening } = DATA.rule;
-  const { statistics: STATISTICS, relative_step: RELATIVE_STEP, quantiles, fewest, without, rhine } = DATA.few_grains;
+  const { statistics: STATISTICS, relative_step: RELATIVE_STEP, quantiles, fewest, enough, without, rhine } = DATA.few_grains;
 
   // Each takes (sample, features, case, level) and returns the rows of the models that suit the sample.
   const PREDICTORS = [predictOurs, predictR22];
@@ -98,8 +98,16 @@ const Prediction = (() => {
   // simcore.models.few_grains does: NaN if it is unknown, 0 for one form, unless this is the form of a single grain.
   function fewGrainsError(model, sample) {
     if (Grains.isOneForm(sample)) return sample.grains === 1 ? NaN : 0;
-    const covariance = hasFew(sample) ? covarianceOfFew(sample) : sample.covariance;
-    if (!covariance) return NaN;
+    if (hasFew(sample)) return propagate(model, sample, covarianceOfFew(sample));
+    if (!sample.covariance) return NaN;
+    const own = propagate(model, sample, sample.covariance);
+    if (sample.grains >= enough) return own;
+    const all = quantiles["0.95"];
+    return Math.max(own, propagate(model, sample, covarianceOfFew(sample)) * all.at(-1) / all[sample.grains - 2]);
+  }
+
+  // Returns the error that follows from a covariance.
+  function propagate(model, sample, covariance) {
     const slopes = STATISTICS.map((key) => {
       const [high, low] = [1, -1].map((sign) => {
         const features = featuresOf({ ...sample, [key]: sample[key] * (1 + sign * RELATIVE_STEP) });
