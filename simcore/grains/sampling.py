@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from simcore.grains.form import axes_from_form, sieve_size_of_volume
+from simcore.grains.form import axes_from_form, equal_volume_diameter, sieve_size_of_volume
 from simcore.grains.own_sizes import OwnSizes
 from simcore.grains.quota import ELONGATION, FLATNESS, NUMBERS_PER_GRAIN, SHAPE, SIZE_CLASS, SIZE_IN_CLASS, stratify
 
@@ -188,7 +188,7 @@ def sample_grains(grain_ids, seed, curve, shapes, grains, quota=None):
     empty but needed, or does not contain the grain that `shapes` names.
     """
     uniforms = grain_uniforms(grain_ids, seed) if quota is None else quota[grain_ids]
-    D = _sizes(curve, uniforms)
+    D = diameter = _sizes(curve, uniforms)
     flatness, elongation, index = _forms(shapes, grains, uniforms, D)
     if curve.of_volume:
         D = sieve_size_of_volume(D, flatness, elongation)
@@ -209,6 +209,11 @@ def sample_grains(grain_ids, seed, curve, shapes, grains, quota=None):
         index = np.where(is_ellipsoid, len(grains), index)
         scale = np.where(is_ellipsoid[:, None], axes / 2, scale)
         volume = np.where(is_ellipsoid, np.pi / 6 * L * I * S, volume)
+    if curve.of_volume:
+        # A polyhedron has less volume than its ellipsoid; with this factor it has that of the curve.
+        larger = diameter / equal_volume_diameter(volume)
+        D, L, I, S, volume = larger * D, larger * L, larger * I, larger * S, larger**3 * volume  # noqa: E741
+        scale = larger[:, None] * scale
     return GrainSample(index, scale, L, I, S, D, volume)
 
 

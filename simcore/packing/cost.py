@@ -162,7 +162,7 @@ def _form_factors(specification, curve) -> tuple[float, float]:
     shapes = specification["shapes"]
     kind = shapes["kind"]
     if kind != "sphere" and shapes["choice"] in ("one", "random"):
-        return SET_VOLUME, SET_LENGTH * HULL_LENGTH[kind]
+        return 1.0 if curve.of_volume else SET_VOLUME, SET_LENGTH * HULL_LENGTH[kind]
     smooth = replace(shape_choice(shapes), kind="sphere" if kind == "sphere" else "ellipsoid", ellipsoid_share=None)
     sample = sample_grains(np.arange(SAMPLED), specification["seed"], curve, smooth, [])
     size = equal_volume_diameter(sample.volume) if curve.of_volume else sample.D

@@ -81,10 +81,9 @@ def set_up(specification: dict, load_grains) -> Setup:
         return Draw(drawn.shape, drawn.scale, drawn.D, grain_uniforms(ids, seed, stream=INSERTION_STREAM))
 
     def masses():
-        """Return the mean and the least mass of a grain: sizes are those of the curve, whatever is drawn."""
-        density, factors = specification["material"]["density"], _volume_factors(sample, number)
-        sphere = density * np.pi / 6.0
-        return sphere * curve.mean(3) * float(factors.mean()), sphere * curve.least**3 * float(factors.min())
+        """Return the mean and the least mass of a grain."""
+        mean, least = _volumes(curve, sample, number)
+        return specification["material"]["density"] * mean, specification["material"]["density"] * least
 
     scene = make_scene(specification, curve, masses, number)
     _check_height(scene, curve, sample)
@@ -167,18 +166,31 @@ def _forms_below(group):
     return FormsBelow(below, *(group[key][part] for key in ("flatness", "elongation") for part in ("mean", "std")))
 
 
-def _volume_factors(sample, number):
-    """Return the volumes of the first GRAINS grains over those of spheres of their sieve sizes."""
+def _volumes(curve, sample, number):
+    """Return the mean and the least volume of a grain [m³]: sizes are those of the curve, whatever is drawn.
+
+    The volumes of grains over those of spheres of their sieve sizes follow from the first GRAINS grains. If forms
+    depend on size, these factors are taken relative to the mean one of their sieve class.
+    """
+    sphere = np.pi / 6.0
+    if curve.of_volume:
+        return sphere * curve.mean(3), sphere * curve.least**3
     drawn = sample(np.arange(min(GRAINS, number or GRAINS)))
-    return drawn.volume / (np.pi / 6.0 * drawn.D**3)
+    factors = drawn.volume / (sphere * drawn.D**3)
+    if getattr(curve, "volume_factors", None) is None:
+        return sphere * curve.mean(3) * float(factors.mean()), sphere * curve.least**3 * float(factors.min())
+    of_class = curve.class_of(drawn.D)
+    relative = factors / curve.volume_factors[of_class]
+    mean = curve.number_fractions() @ (curve.class_means(3) * curve.volume_factors)
+    least = [curve.bounds[k] ** 3 * factors[of_class == k].min() for k in set(of_class.tolist())]
+    return sphere * float(mean * relative.mean()), sphere * float(min(least))
 
 
 def _check_height(scene, curve, sample):
     """Raise ValueError if the grains would be higher than the domain even without pores."""
     mass, number = scene.amount_mass, scene.amount_grains
     if mass is None:
-        volume = np.pi / 6.0 * curve.mean(3) * float(_volume_factors(sample, number).mean())
-        mass = scene.material.density * number * volume
+        mass = scene.material.density * number * _volumes(curve, sample, number)[0]
     check_height(scene.domain, mass, scene.material.density)
 
 
