@@ -49,9 +49,7 @@ def select_bodies(bodies, choice, unit):
     if choice == "largest":
         note = f"is the largest of {len(bodies)} bodies in its file, of {volumes_text}; the others were left out"
         return [Body(bodies[0].points, volumes[0], (note, *bodies[0].notes))]
-    return [
-        body if body.volume >= _NOISE * volumes[0] else _with_note(body, body.volume / volumes[0]) for body in bodies
-    ]
+    return [with_share(body, body.volume / volumes[0], "body in its file") for body in bodies]
 
 
 def _may_overlap(bodies):
@@ -62,8 +60,11 @@ def _may_overlap(bodies):
     return bool(meet.sum() > len(bodies))
 
 
-def _with_note(body, share):
-    note = f"has {100 * share:.2g} % of the volume of the largest body in its file; if it is noise, delete it"
+def with_share(body, share, largest):
+    """Return a Body, with a note if its share of the volume of the `largest` one is so small that it may be noise."""
+    if share >= _NOISE:
+        return body
+    note = f"has {100 * share:.2g} % of the volume of the largest {largest}; if it is noise, delete it"
     return Body(body.points, body.volume, (note, *body.notes))
 
 
@@ -90,12 +91,9 @@ def mesh_bodies(vertices, faces):
     closed = trimesh.Trimesh(centred, corners.reshape(faces.shape), process=False)
     closed.merge_vertices(merge_tex=True, merge_norm=True)  # STL repeats the corners of every triangle
     labels = _components(len(closed.vertices), closed.faces)[closed.faces[:, 0]]
-    kept = closed.nondegenerate_faces()
-    closed.update_faces(kept)
+    closed, kept = _without_degenerate_faces(closed)
     if not closed.is_watertight:
-        raise ValueError(
-            "the mesh is open: not every edge has exactly two faces; close its holes" + _describe_pieces(labels)
-        )
+        raise ValueError(_describe_open(closed.edges_unique_inverse, labels))
     inverted = "the mesh is inverted: some or all faces are wound inwards; turn them outwards"
     if not closed.is_winding_consistent:
         raise ValueError(inverted)
@@ -115,9 +113,41 @@ def _components(count, faces):
     return connected_components(graph, directed=False)[1]
 
 
-def _describe_pieces(labels):
-    number = len(np.unique(labels))
-    return f" (it has {number} separate pieces; delete those that are not grains)" if number > 1 else ""
+def _without_degenerate_faces(mesh):
+    """Return the mesh without faces that have two equal corners, and which faces are kept.
+
+    A triangle of area 0 may be what closes a mesh at a corner on the edge of another face; it is left out only if the
+    mesh is not closed with it.
+    """
+    corners = np.sort(mesh.faces, axis=1)
+    kept = np.all(corners[:, 1:] != corners[:, :-1], axis=1)
+    closed = mesh.copy()
+    closed.update_faces(kept)
+    if not closed.is_watertight:
+        kept = mesh.nondegenerate_faces()
+        mesh.update_faces(kept)
+        return mesh, kept
+    return closed, kept
+
+
+def _describe_open(edges, labels):
+    """Return the message on a mesh that is not closed. edges: index of the edge of each side of a face."""
+    faces = np.bincount(edges)
+    single, many = int(np.sum(faces == 1)), int(np.sum(faces > 2))
+    pieces = len(np.unique(labels))
+    if pieces > len(labels) // 2:
+        return (
+            f"the mesh is open: its {len(labels)} faces are {pieces} separate pieces, because corners at the same "
+            "place have different coordinates; merge close vertices before it is exported"
+        )
+    text = f"the mesh is open: {single} edges have only one face; close its holes" if single else ""
+    if many:
+        text += "; and " if text else "the mesh is not the surface of bodies: "
+        text += (
+            f"{many} edges have more than two faces; remove double or inner faces, and separate bodies that touch "
+            "along an edge"
+        )
+    return text + (f" (it has {pieces} separate pieces; delete those that are not grains)" if pieces > 1 else "")
 
 
 def _whole_bodies(vertices, faces, labels):
@@ -149,14 +179,13 @@ def _signed_volume(corners):
 
 
 def _is_within(corners, enclosing):
-    """Return whether a closed surface is inside another, by points on it; of surfaces that cross, neither is inside."""
+    """Return whether a closed surface is inside another, by its outermost points; of two that cross, neither is."""
     low, high = enclosing.min(axis=(0, 1)), enclosing.max(axis=(0, 1))
     points = corners.reshape(-1, 3)
     if np.any(points < low) or np.any(points > high):
         return False
-    ends = np.concatenate([points.argmin(axis=0), points.argmax(axis=0)])
-    tested = np.concatenate([points[:: -(-len(points) // 50)], points[ends]])
-    return all(_is_inside(point, enclosing) for point in tested)
+    ends = np.unique(np.concatenate([points.argmin(axis=0), points.argmax(axis=0)]))
+    return all(_is_inside(point, enclosing) for point in points[ends])
 
 
 def _is_inside(point, corners):

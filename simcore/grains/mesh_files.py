@@ -11,7 +11,7 @@ _PLY_TYPES = {
     "double": "f8", "float64": "f8",
 }  # fmt: skip
 _STL_ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_STL_VERTEX = re.compile(rb"\bvertex\s+([^\r\n]*)", re.IGNORECASE)
+_STL_VERTEX = re.compile(rb"^\s*vertex\s+([^\r\n]*)", re.IGNORECASE | re.MULTILINE)
 _PLY_ORDER = {"binary_little_endian": "<", "binary_big_endian": ">"}
 
 
@@ -49,8 +49,8 @@ def _read_stl(data):
     words = _STL_VERTEX.findall(data)
     if not is_text or not words:
         raise ValueError(
-            "the file cannot be read as a mesh: it is neither STL text nor binary STL of the length in its header; it "
-            "may be cut short; export or copy it again"
+            "the file cannot be read as a mesh: it is neither STL text nor binary STL of the length in its header"
+            f"{'' if is_text else _describe_length(data)}; export or copy it again"
         )
     try:
         corners = np.array([line.split() for line in words], float)
@@ -60,6 +60,16 @@ def _read_stl(data):
             "the file cannot be read as a mesh: a vertex is not three numbers, or a triangle not three vertices; it "
             "may be cut short; export or copy it again"
         ) from None
+
+
+def _describe_length(data):
+    """Return a clause on how far the length of a binary STL is from that in its header, or ""."""
+    if len(data) < 84:
+        return "; it may be cut short"
+    count = int(np.frombuffer(data, "<u4", 1, 80)[0])
+    surplus = len(data) - 84 - 50 * count
+    what = f"{surplus} bytes longer" if surplus > 0 else f"{-surplus} bytes shorter, so it may be cut short"
+    return f", which has {count} triangles; the file is {what}"
 
 
 def _read_off(data):

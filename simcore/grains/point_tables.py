@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 
-from simcore.grains.measured_forms import read_samples
+from simcore.grains.measured_forms import read_measured
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infinity)", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
@@ -81,7 +81,7 @@ def how_to_use_forms(path):
         "{mean: …, std: …}, elongation: {mean: …, std: …}}`, the mean and standard deviation of FL = S/I and EL = I/L"
     )
     try:
-        samples = read_samples(path)
+        samples, _ = read_measured(path)
     except ValueError:
         return advice
     distributions = [
@@ -113,7 +113,7 @@ def _is_form_table(path, header):
     if _names_forms(header):
         return True
     try:
-        return bool(read_samples(path))
+        return bool(read_measured(path)[0])
     except ValueError:
         return False
 
@@ -237,7 +237,8 @@ def _find_columns(path, header, unit):
         header_unit = positions[axis][0][1]
         if header_unit in _LENGTHS and header_unit != unit:
             raise ValueError(
-                f"its header gives {header[positions[axis][0][0]]}, but `grains.unit` is {unit}; correct one of them"
+                f"its header gives {header[positions[axis][0][0]]}, but `grains.unit` is {unit}; correct one of them, "
+                "or convert the coordinates: units of grains are mm or m"
             )
     return [positions[axis][0][0] for axis in "xyz"]
 

@@ -12,6 +12,7 @@ from simcore.grains.spherical_harmonics import cut_at, radius, read_coefficients
 from simcore.grains.voxels import image_bodies
 
 UNITS = {"m": 1.0, "mm": 1e-3}
+SHOWN_ERRORS = 5  # files of which a message describes the faults
 # Sieve sizes [m] that a grain may have. Sizes from 2 to 50 mm are outside if the other unit is given by mistake.
 SIZE_RANGE = (5e-5, 2.0)
 
@@ -43,7 +44,7 @@ def read_grains_of(path, unit, spacing=None, bodies="one", degree=None):
     - .stl .ply .obj .off: closed mesh with outward faces; .ply .obj .off without faces are points;
     - .xyz .csv: points on or in the grain, see simcore.grains.point_tables;
     - .npy: points (n, 3), or a voxel image (nx, ny, nz), which is a mask, or labels that each are a grain `name_label`;
-    - .npz: a voxel image `mask` and, unless it is given here, `spacing`;
+    - .npz: a voxel image `mask` and its own `spacing`, which is used instead of the one given here;
     - .txt .dat: spherical-harmonic coefficients.
     unit: "m" or "mm", of the lengths in the file and of spacing; spacing: edge of a voxel, a number or three; bodies:
     treatment of several bodies in a file or label, see simcore.grains.bodies.select_bodies; degree: highest harmonic
@@ -87,7 +88,7 @@ def _make(path, name, body, unit):
     low, high = SIZE_RANGE
     if not low <= grain.sieve_size <= high:
         raise ValueError(
-            f"{path}: the grain has a sieve size of {grain.sieve_size * 1e3:.3g} mm, outside {low * 1e3:g} to "
+            f"{path}: the grain {name} has a sieve size of {grain.sieve_size * 1e3:.3g} mm, outside {low * 1e3:g} to "
             f"{high * 1e3:g} mm; check that `unit` {unit!r} is right"
         )
     return grain
@@ -100,7 +101,15 @@ def read_grain_files(source, unit, spacing=None, bodies="one", degree=None, name
     lists the other files of a folder. Other arguments and errors as in read_grains_of.
     """
     files = select_files(grain_files(source)[0], names)
-    grains = [grain for file in files for grain in read_grains_of(file, unit, spacing, bodies, degree)]
+    grains, errors = [], []
+    for file in files:
+        try:
+            grains += read_grains_of(file, unit, spacing, bodies, degree)
+        except ValueError as error:
+            errors.append(str(error))
+    if errors:
+        more = f"; {len(errors) - SHOWN_ERRORS} more files have errors" if len(errors) > SHOWN_ERRORS else ""
+        raise ValueError("; ".join(errors[:SHOWN_ERRORS]) + more)
     names = [grain.name for grain in grains]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
@@ -243,7 +252,7 @@ def _array_groups(path, unit, spacing):
             raise ValueError(
                 f"it has no array {', '.join(missing)}, but {', '.join(data)}; name the arrays `mask` and `spacing`"
             )
-        return image_bodies(data["mask"], data["spacing"] if spacing is None else spacing)
+        return image_bodies(data["mask"], _own_spacing(data["spacing"]) if "spacing" in data else spacing)
     if data.ndim == 3:
         if spacing is None:
             raise ValueError("a voxel image needs `spacing`, the edge of a voxel; set `grains.voxel_spacing`")
@@ -254,6 +263,16 @@ def _array_groups(path, unit, spacing):
             "three dimensions; write one of these"
         )
     return [("", [_cloud(data.astype(float), unit)])]
+
+
+def _own_spacing(spacing):
+    """Return the spacing of an .npz file, an array with one number or (3,); ValueError if it is something else."""
+    if spacing.dtype.kind not in "uif" or spacing.shape not in ((), (1,), (3,)):
+        raise ValueError(
+            f"its array `spacing` has the shape {spacing.shape} and the type {spacing.dtype}; give one number or "
+            "three, the edges of a voxel in the unit of `grains.unit`"
+        )
+    return spacing
 
 
 def _check_precision(points, unit):

@@ -119,19 +119,21 @@ def load_grains(grains):
     return read_grain_files(files, grains["unit"], spacing, grains["bodies"], grains["degree"], grains["names"])
 
 
-def grain_warnings(grains, group=None):
+def grain_warnings(grains, group=None, kind="polyhedron"):
     """Return warnings about grains for the user before they are packed, a list of sentences, which may be empty.
 
     grains: list of Grain. The warnings list the concave grains, with hull ratios above CONCAVE, and the notes of each
     grain. group: the resolved group `grains`; if it is given, the files of its folders that were left out are listed as
-    well, with the reasons.
+    well, with the reasons. kind: of the shapes that are packed.
     """
     warnings = []
     concave = sorted((grain for grain in grains if grain.hull_ratio > CONCAVE), key=lambda grain: -grain.hull_ratio)
     if concave:
         ratios = join_first([f"{grain.name} {grain.hull_ratio:.2f}" for grain in concave], NAMED)
+        verb = "is" if len(concave) == 1 else "are"
+        what = "ellipsoids of their convex hulls" if kind == "ellipsoid" else "convex hulls"
         warnings.append(
-            f"{len(concave)} of {len(grains)} grains are concave; their convex hulls are packed, which are larger than "
+            f"{len(concave)} of {len(grains)} grains {verb} concave; the {what} are packed. The hulls are larger than "
             f"the grains by these factors: {ratios}."
         )
     names_by_note = {}
@@ -144,14 +146,15 @@ def grain_warnings(grains, group=None):
     ]
     left_out = left_out_files(group) if group is not None else []
     if left_out:
-        warnings.append(f"{len(left_out)} files were left out: {join_first(left_out, NAMED, '; ')}.")
+        files = "1 file was" if len(left_out) == 1 else f"{len(left_out)} files were"
+        warnings.append(f"{files} left out: {join_first(left_out, NAMED, '; ')}.")
     return warnings
 
 
-def size_note(grains, sizes):
+def size_note(grains, sizes, may_keep=True):
     """Return a sentence on whether the grains (list of Grain) keep their own sizes; None if there are no grains.
 
-    sizes: the resolved group `sizes`.
+    sizes: the resolved group `sizes`. may_keep: whether shapes of this kind and choice could keep their sizes.
     """
     if not grains:
         return None
@@ -160,7 +163,8 @@ def size_note(grains, sizes):
     own_sizes = f"The grains of the set have sieve sizes of {low:.3g} {several}mm"
     if sizes["own"]:
         return f"{own_sizes}, which they keep."
-    return f"{own_sizes}; they are scaled to the sizes drawn. `sizes: {{own: true}}` keeps their own sizes."
+    keep = " `sizes: {own: true}` keeps their own sizes." if may_keep else ""
+    return f"{own_sizes}; they are scaled to the sizes drawn.{keep}"
 
 
 def left_out_files(group):

@@ -11,16 +11,28 @@ from simcore.grains.spiral import spiral_directions
 def read_coefficients(path):
     """Read degrees n, orders m, and complex coefficients a_nm, each (k,), from a text file with rows `n m re im`.
 
-    Lines that start with # are skipped. The rows contain only m >= 0, which implies a(n, -m) = (-1)^m conj a(n, m), or
-    all m, as in the files of the VCCTL repository. ValueError if the rows are not of this kind.
+    Lines that start with #, and a first line with these names, are skipped. The rows contain only m >= 0, which implies
+    a(n, -m) = (-1)^m conj a(n, m), or all m, as in the files of the VCCTL repository. ValueError if the rows are not of
+    this kind.
     """
-    try:
-        lines = [line for line in Path(path).read_text().splitlines() if not line.startswith("#")]
-        rows = np.loadtxt(lines, ndmin=2) if any(lines) else np.empty((0, 0))
-    except ValueError as error:
-        raise ValueError(f"{path}: the lines are not rows of `n m re im`; correct them ({error})") from None
-    if rows.shape[0] == 0 or rows.shape[1] != 4:
-        raise ValueError(f"{path}: rows of four numbers `n m re im` are needed; the file has an array {rows.shape}")
+    rows = []
+    for number, line in enumerate(Path(path).read_text(errors="replace").splitlines(), start=1):
+        words = line.split()
+        if not words or line.startswith("#") or not rows and [word.lower() for word in words] == ["n", "m", "re", "im"]:
+            continue
+        try:
+            rows.append([float(word) for word in words])
+        except ValueError:
+            rows.append([])
+        if len(rows[-1]) != 4:
+            points = len(words) == 3 or len(line.replace(";", ",").split(",")) == 3
+            hint = "; points are read from .xyz or .csv: rename the file" if points else ""
+            raise ValueError(
+                f"{path}, line {number}: '{line.strip()[:60]}' is no row of four numbers `n m re im`{hint}"
+            )
+    if not rows:
+        raise ValueError(f"{path}: the file is empty; rows of four numbers `n m re im` are needed")
+    rows = np.array(rows)
     n, m = rows[:, 0].astype(int), rows[:, 1].astype(int)
     if not np.isfinite(rows).all():
         raise ValueError(f"{path}: some coefficients are NaN or infinite; correct or remove their rows")

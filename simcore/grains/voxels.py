@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.ndimage import find_objects, gaussian_filter, label
 
-from simcore.grains.bodies import Body
+from simcore.grains.bodies import Body, with_share
 
 # The width of the smoothing in voxels is this times the square root of the grain's radius in voxels, because the
 # terraces of the mask are about sqrt(radius) wide where the surface is tangent to a lattice plane.
@@ -113,6 +113,11 @@ def _labelled(image, values, spacing):
         start = [part.start for part in box]
         groups.append((f"{values[number - 1]:.0f}", _parts(numbers[box] == number, spacing, image.shape, start)))
     voxel = float(np.prod(np.broadcast_to(spacing, 3)))
+    volumes = [sum(body.volume for body in bodies) for _, bodies in groups]
+    groups = [
+        (name, [with_share(body, volume / max(volumes), "label of its image") for body in bodies])
+        for (name, bodies), volume in zip(groups, volumes, strict=True)
+    ]
     in_parts = sum(max(body.volume for body in bodies) for _, bodies in groups) / (voxel * np.count_nonzero(image))
     if in_parts < _LEAST_IN_PARTS:
         raise ValueError(

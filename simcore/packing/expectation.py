@@ -133,10 +133,11 @@ def warnings(scene: Scene, expected: Expectation) -> list[str]:
     lines = []
     steps, needed = scene.numerics.steps_per_contact_time, expected.stability
     if needed.expected > steps:
+        digits = 1 if round(needed.expected, 1) > steps else 2
         lines.append(
-            f"{steps:g} steps per contact time are fewer than the {needed.expected:.1f} that a bed of such grains is "
-            f"expected to need. The stiffest grains would vibrate and gain energy until their contacts slip or open; "
-            f"the bed may not come to rest, or a grain may be thrown. Raise numerics.steps_per_contact_time to at "
+            f"{steps:g} steps per contact time are fewer than the {needed.expected:.{digits}f} that a bed of such "
+            f"grains is expected to need. The stiffest grains would vibrate and gain energy until their contacts slip "
+            f"or open; the bed may not come to rest, or a grain may be thrown. Raise numerics.steps_per_contact_time to at "
             f"least {np.ceil(needed.expected):.0f}."
         )
     if expected.impact_depth > DEEP_IMPACT * expected.half_thickness:

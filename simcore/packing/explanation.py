@@ -212,5 +212,5 @@ def _two_digits(value):
 def _size(number):
     for unit, factor in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if number >= factor:
-            return f"{number / factor:.2g} {unit}"
+            return f"{_two_digits(number / factor)} {unit}"
     return f"{number:.0f} bytes"

@@ -22,7 +22,7 @@ from simcore.scene.height import check_height
 from simcore.scene.impact import derive_hertzian, fall_speed
 from simcore.scene.scene import GRAINS, Convergence, Damping, Generation, Material, Numerics, Scene, Shaking
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, Draw, unit_sphere
-from simcore.scene.sizes import check_amount, check_top_class, lattice_spacing, size_curve
+from simcore.scene.sizes import check_amount, check_top_class, have_own_sizes, lattice_spacing, size_curve
 
 KIND_NUMBERS = {"sphere": SPHERE, "ellipsoid": ELLIPSOID, "polyhedron": POLYHEDRON, "mixed": MIXED}
 INSERTION_STREAM = 1  # stream of the random numbers of insertion, separate from those of size and form
@@ -53,7 +53,7 @@ def set_up(specification: dict, load_grains) -> Setup:
     has_polyhedra = choice.kind in ("polyhedron", "mixed")
     grains = load_grains(specification["grains"]) if needs_grains(specification["shapes"]) else []
     grains, bases = _select_grains(grains, choice), []
-    notes = tuple(grain_warnings(grains, specification["grains"])) if grains else ()
+    notes = tuple(grain_warnings(grains, specification["grains"], choice.kind)) if grains else ()
     if has_polyhedra:
         if specification["faces"] != "original":
             grains = [decimate(grain, specification["faces"]) for grain in grains]
@@ -95,7 +95,7 @@ def set_up(specification: dict, load_grains) -> Setup:
         draw,
         tuple(grains) if has_polyhedra else (),
         notes,
-        size_note(grains, specification["sizes"]),
+        size_note(grains, specification["sizes"], have_own_sizes(specification["shapes"])),
         quota is not None,
     )
 

@@ -110,8 +110,13 @@ def check_amount(spec, curve):
         )
 
 
+def have_own_sizes(shapes):
+    """Return whether shapes of the resolved group `shapes` can have the sizes of the grains of the set."""
+    return shapes["kind"] != "sphere" and shapes["choice"] in ("one", "random")
+
+
 def _check_own(shapes):
-    if shapes["kind"] == "sphere" or shapes["choice"] not in ("one", "random"):
+    if not have_own_sizes(shapes):
         raise ValueError(
             f"sizes.own: shapes of kind {shapes['kind']} and choice {shapes['choice']} have no size of their own; set "
             "shapes.kind to polyhedron, ellipsoid or mixed and shapes.choice to one or random"

@@ -79,7 +79,7 @@ def test_intervals_of_few_grains_contain_the_porosity_of_all_grains(model, numbe
 
 @pytest.mark.parametrize("number", [3, 5, 10])
 def test_intervals_of_few_grains_of_a_varied_gravel_contain_its_porosity(model, number):
-    """Grains that differ as the Rhine's: five to ten of them may be alike by chance, which must not narrow intervals."""
+    """Of grains that differ as the Rhine's, five to ten may be alike by chance, which must not narrow intervals."""
     rng, rhine = np.random.default_rng(2), rhine_statistics()
 
     def table_of(count, samples):

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from simcore.grains.bodies import mesh_bodies
-from simcore.grains.readers import read_grain, read_grains_of
+from simcore.grains.readers import read_grain, read_grain_files, read_grains_of
 
 
 def ball(radius=5.0, place=(0, 0, 0), level=2):
@@ -129,3 +129,46 @@ def test_an_open_piece_beside_a_body_is_named(tmp_path):
     sheet = trimesh.Trimesh([[-9, -9, -7], [9, -9, -7], [0, 9, -7]], [[0, 1, 2]], process=False)
     with pytest.raises(ValueError, match=r"open.*2 separate pieces"):
         read_grain(write(tmp_path / "a.stl", together(ball(), sheet)), "mm")
+
+
+# A box with a corner in the middle of an edge of one face, which a fan of triangles fills with a triangle of area 0.
+BOX_WITH_A_CORNER_ON_AN_EDGE = """v 0 0 0\nv 0 0 4\nv 0 7 0\nv 0 7 4\nv 10 0 0\nv 10 0 4\nv 10 7 0\nv 10 7 4\nv 0 0 2
+f 1 9 2 4 3\nf 5 7 8 6\nf 9 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4
+"""
+
+
+def test_a_triangle_of_area_0_may_close_a_mesh(tmp_path):
+    (tmp_path / "a.obj").write_text(BOX_WITH_A_CORNER_ON_AN_EDGE)
+    grain = read_grain(tmp_path / "a.obj", "mm")
+    assert grain.hull_ratio == pytest.approx(1.0) and grain.volume == pytest.approx(280e-9)
+
+
+@pytest.mark.parametrize(
+    "fault, message",
+    [
+        ("hole", "the mesh is open: 3 edges have only one face; close its holes$"),
+        ("double", "the mesh is open: 3 edges have only one face|3 edges have more than two faces; remove double"),
+        ("apart", r"its \d+ faces are \d+ separate pieces, because corners at the same place have different"),
+    ],
+)
+def test_the_fault_of_a_mesh_that_is_not_closed_is_named(tmp_path, fault, message):
+    ball = trimesh.creation.icosphere(2, 5.0)
+    corners = ball.triangles.copy()
+    if fault == "hole":
+        corners = corners[1:]
+    elif fault == "double":
+        corners = np.concatenate([corners, corners[:1]])
+    else:
+        corners += 1e-4 * np.random.default_rng(0).normal(size=corners.shape)
+    mesh = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(corners.size // 3).reshape(-1, 3), process=False)
+    mesh.export(tmp_path / "a.stl")
+    with pytest.raises(ValueError, match=message):
+        read_grain(tmp_path / "a.stl", "mm")
+
+
+def test_all_faulty_files_are_named_at_once(tmp_path):
+    for name in "abcdefg":
+        (tmp_path / f"{name}.obj").write_text("v 0 0 0\nf 1 1 2\n")
+    trimesh.creation.icosphere(1, 5.0).export(tmp_path / "good.stl")
+    with pytest.raises(ValueError, match=r"a\.obj: .*; .*e\.obj: .*; 2 more files have errors"):
+        read_grain_files(tmp_path, "mm")

@@ -69,7 +69,7 @@ def test_warnings_name_concave_grains_notes_and_files_that_are_left_out(folder):
     ratio = dented_ball().convex_hull.volume / dented_ball().volume
     assert ratio > 1.15
     warnings = grain_warnings(grains, group(folder))
-    assert len(warnings) == 2 and "1 of 3 grains are concave" in warnings[0] and f"dented {ratio:.2f}" in warnings[0]
+    assert len(warnings) == 2 and "1 of 3 grains is concave" in warnings[0] and f"dented {ratio:.2f}" in warnings[0]
     assert warnings[1].startswith("5 files were left out: ._round.stl: ")
     assert grain_warnings(grains) == warnings[:1] and grain_warnings([]) == []
 

@@ -63,9 +63,10 @@ def test_points_are_dense_enough_for_high_degrees(tmp_path):
 @pytest.mark.parametrize(
     "text, reason",
     [
-        ("", "four numbers"),
-        ("0 0 1\n", "four numbers"),
-        ("0 0 one 0\n", "not rows"),
+        ("", "the file is empty"),
+        ("# a\n\n0 0 1 0\n0 0 1\n", "line 4: '0 0 1' is no row of four numbers `n m re im`; points are read from .xyz"),
+        ("n m re im\n0 0 one 0\n", "line 2: '0 0 one 0' is no row"),
+        ("x,y,z\n1,2,3\n", "line 1: 'x,y,z' is no row .*; points are read from .xyz or .csv: rename"),
         ("0 0 nan 0\n", "NaN"),
         ("1 2 1 0\n", r"\|m\| <= n"),
         ("0 0 1 0\n0 0 1 0\n", "twice"),

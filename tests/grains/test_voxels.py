@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from simcore.grains.mesh import make_grain
-from simcore.grains.readers import read_grains_of
+from simcore.grains.readers import read_grain, read_grains_of
 from simcore.grains.voxels import mask_surface
 
 ELLIPSOID = np.array([0.5, 0.75, 1.0]) / np.cbrt(0.375)
@@ -187,3 +187,30 @@ def test_a_sheet_thinner_than_the_smoothing_has_a_surface():
     mask[2:62, 2:62, 2] = True
     points = mask_surface(mask, 1.0)
     assert np.ptp(points, axis=0) == pytest.approx([60.0, 60.0, 1.0], abs=1.0)
+
+
+@pytest.mark.parametrize("spacing", ["0.1 mm", [0.1, 0.2], True, 1j])
+def test_a_spacing_that_is_no_length_is_refused(tmp_path, spacing):
+    np.savez(tmp_path / "a.npz", mask=np.pad(np.ones((8, 8, 8)), 2), spacing=spacing)
+    with pytest.raises(ValueError, match="its array `spacing` has the shape .*; give one number or three"):
+        read_grain(tmp_path / "a.npz", "mm")
+
+
+def test_the_spacing_of_a_file_counts_before_that_of_the_specification(tmp_path):
+    """A folder may have images with a spacing of their own beside others, for which the specification gives it."""
+    mask = np.pad(np.ones((20, 14, 10)), 2)
+    np.savez(tmp_path / "a.npz", mask=mask, spacing=[0.1, 0.1, 0.2])
+    own, given = read_grain(tmp_path / "a.npz", "mm"), read_grain(tmp_path / "a.npz", "mm", spacing=0.1)
+    assert own.sieve_size == given.sieve_size and own.S / own.L > 0.6
+
+
+def test_labels_that_may_be_noise_have_a_note(tmp_path):
+    image = np.zeros((40, 20, 20), np.uint8)
+    image[2:16, 2:16, 2:16], image[20:34, 2:16, 2:16], image[37, 10, 10:12] = 1, 2, 7
+    np.save(tmp_path / "a.npy", image)
+    grains = read_grains_of(tmp_path / "a.npy", "mm", spacing=0.5)
+    assert [bool(grain.notes) for grain in grains] == [False, False, True]
+    assert (
+        grains[2].name == "a_7"
+        and "of the volume of the largest label of its image; if it is noise" in grains[2].notes[0]
+    )

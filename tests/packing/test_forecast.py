@@ -398,7 +398,7 @@ def test_volume_added_by_hulls_is_reported_and_warned_of():
     cross = dataclasses.replace(cube, name="cross", hull_ratio=1.7)
     concave = setup._replace(grains=(cross,), notes=tuple(grain_warnings([cross])))
     (text,) = [text for text in setup_warnings(concave, low_bed=False) if "concave" in text]
-    assert "1 of 1 grains" in text and "cross 1.70" in text
+    assert "1 of 1 grains is concave" in text and "cross 1.70" in text
     assert "adds 70.0 %" in "\n".join(grain_lines(concave, draw_packing(concave)))
 
 
