@@ -180,12 +180,14 @@ def symmetry(rows, names=("solid_fraction", "coordination_number")):
 def diagonal_fabrics(studies, fabrics, max_forms=5):
     """Return the fabrics of `max_forms` forms with eta = zeta or fewer, evenly spread: dict of label to Dataset.
 
-    studies: name of the study of each of `fabrics`. A form with several seeds has the mean over them.
+    studies: name of the study of each of `fabrics`. A form with several seeds has the mean over them. Beds with a
+    distribution of form are left out.
     """
     by_form = {}
     for study, fabric in zip(studies, fabrics, strict=True):
-        if family(study) == "diagonal":
-            by_form.setdefault(json.loads(fabric.attrs["scene"])["shapes"]["eta"], []).append(fabric)
+        eta = json.loads(fabric.attrs["scene"])["shapes"]["eta"]
+        if family(study) == "diagonal" and not isinstance(eta, dict):
+            by_form.setdefault(eta, []).append(fabric)
     ratios = sorted(by_form)
     chosen = np.unique(np.linspace(0, len(ratios) - 1, min(max_forms, len(ratios))).round().astype(int))
     return {
@@ -199,13 +201,16 @@ def spread_fabrics(studies, fabrics, max_spreads=5):
 
     studies: name of the study of each of `fabrics`. Of the forms in the family `sizes`, the one with the most spreads
     is used, and of these one that is not a sphere; at most `max_spreads` spreads, the smallest first. A spread with
-    several seeds has the mean over them. Empty without that family.
+    several seeds has the mean over them. Beds with a sieve curve or a distribution of form are left out. Empty without
+    that family.
     """
     by_form = {}
     for study, fabric in zip(studies, fabrics, strict=True):
         if family(study) == "sizes":
             scene = json.loads(fabric.attrs["scene"])
             form = (scene["shapes"]["eta"], scene["shapes"]["zeta"])
+            if scene["sizes"]["beta"] is None or any(isinstance(ratio, dict) for ratio in form):
+                continue
             by_form.setdefault(form, {}).setdefault(scene["sizes"]["beta"]["spread"], []).append(fabric)
     if not by_form:
         return {}

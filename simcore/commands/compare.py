@@ -22,11 +22,14 @@ def run(options) -> int:
     """Print the tables and return 0."""
     from simcore.evaluation.comparison import compare
     from simcore.evaluation.comparison_text import comparison_text
+    from simcore.evaluation.porosity import warnings_of
     from simcore.packing.file import read_packing
 
     cut = cut_length(options.cut)
     paths = options.packings
     if len({path.resolve() for path in paths}) < len(paths):
         raise ValueError("the same file is given twice; give each file once")
-    print(comparison_text(compare({str(path): read_packing(path) for path in paths}, cut)))
+    packings = {str(path): read_packing(path) for path in paths}
+    warned = [f"{path}: warning: {line}" for path, packing in packings.items() for line in warnings_of(packing)]
+    print("\n".join([comparison_text(compare(packings, cut)), *warned]))
     return 0

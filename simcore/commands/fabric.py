@@ -25,15 +25,19 @@ def run(options) -> int:
     from simcore.evaluation.coordination import BEARING_CONTACTS
     from simcore.evaluation.fabric import fabric, fabric_over_seeds
     from simcore.evaluation.fabric_text import fabric_text
+    from simcore.evaluation.porosity import warnings_of
     from simcore.packing.file import read_packing, write_packing
 
     cut = cut_length(options.cut)
     if options.out is not None:
-        check_writable(options.out, *options.packings)
+        check_writable(options.out, *options.packings, endings=(".nc",))
+    if options.bearing_contacts is not None and options.bearing_contacts < 1:
+        raise ValueError(f"--bearing-contacts {options.bearing_contacts}: give a number of contacts from 1 upwards")
     bearing = BEARING_CONTACTS if options.bearing_contacts is None else options.bearing_contacts
-    fabrics = []
+    fabrics, warned = [], []
     for path in options.packings:
         packing = read_packing(path)
+        warned += [f"{path}: warning: {line}" for line in warnings_of(packing)]
         try:
             fabrics.append(fabric(packing, cut, bearing))
         except ValueError as error:
@@ -41,5 +45,5 @@ def run(options) -> int:
     result = fabrics[0] if len(fabrics) == 1 else fabric_over_seeds(fabrics)
     if options.out is not None:
         write_packing(options.out, result)
-    print(fabric_text(result))
+    print("\n".join([fabric_text(result), *warned]))
     return 0

@@ -34,6 +34,7 @@ def add(commands) -> None:
 
 def run(options) -> int:
     """Print the properties of the pore space, draw the pore sizes if asked for, and return 0."""
+    from simcore.evaluation.porosity import warnings_of
     from simcore.packing.file import read_packing
     from simcore.pores.image import TooManyVoxels
     from simcore.pores.pores import bulk_pores, missing_libraries, voxel_pores
@@ -58,10 +59,13 @@ def run(options) -> int:
             results |= on_voxels
         except TooManyVoxels as error:
             reason = str(error)
+        except ValueError as error:
+            raise ValueError(f"{options.packing}: {error}") from None
     if options.json:
-        print(pores_json(results))
+        print(pores_json(results, warnings_of(packing)))
     else:
-        print(pores_text(results, () if options.no_voxels else missing, reason))
+        warned = [f"warning: {line}" for line in warnings_of(packing)]
+        print("\n".join([pores_text(results, () if options.no_voxels else missing, reason), *warned]))
     if reason and (options.json or options.plot is not None):
         raise ValueError(f"{options.packing}: {reason}")
     if options.plot is not None:

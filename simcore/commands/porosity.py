@@ -31,7 +31,7 @@ def run(options) -> int:
 
     method, cut = "exact" if options.exact else "spheres", cut_length(options.cut)
     if options.profile is not None:
-        check_writable(options.profile, options.packing)
+        check_writable(options.profile, options.packing, endings=(".csv",))
     packing = read_packing(options.packing)
     try:
         bulk = bulk_porosity(packing, method=method, cut=cut)
@@ -39,5 +39,5 @@ def run(options) -> int:
         raise ValueError(f"{options.packing}: {error}") from None
     if options.profile is not None:
         profile_table(packing, bulk).to_csv(options.profile, index=False)
-    print(porosity_json(bulk) if options.json else porosity_text(bulk, packing))
+    print(porosity_json(bulk, packing) if options.json else porosity_text(bulk, packing))
     return 0

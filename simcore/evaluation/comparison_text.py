@@ -4,7 +4,7 @@ import numpy as np
 from tabulate import tabulate
 
 from simcore.evaluation.comparison import LEVEL
-from simcore.evaluation.rounding import with_decimals
+from simcore.evaluation.rounding import heights_in_mm, with_decimals
 
 NAMES = {
     "n": "porosity n",
@@ -34,7 +34,7 @@ def comparison_text(comparison) -> str:
             "D50 [mm]": f"{1e3 * row.D50:.2f}",
             "FL": f"{row.FL:.3f}",
             "EL": f"{row.EL:.3f}",
-            "bed [mm]": f"{1e3 * row.bed_top:.1f}",
+            "bed [mm]": heights_in_mm(row.bed_top)[0],
         }
         for row in comparison.packings.itertuples()
     ]

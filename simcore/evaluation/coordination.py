@@ -49,7 +49,7 @@ def coordination_number(packing, grains=None, bearing_contacts=BEARING_CONTACTS)
         ),
         ("rattler_fraction", ~bearing[grains], "share of grains that are rattlers"),
     ):
-        data[name] = ((), values.mean() if len(values) else 0.0, _number(text))
+        data[name] = ((), values.mean() if len(values) else np.nan, _number(text))
         error = values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else np.nan
         data[f"{name}_std_error"] = ((), error, _number(f"standard error of the {text}"))
     return xr.Dataset(

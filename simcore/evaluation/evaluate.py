@@ -5,7 +5,7 @@ import xarray as xr
 from simcore.evaluation.composition import composition, separation_warnings
 from simcore.evaluation.coordination import coordination_number
 from simcore.evaluation.height_trends import height_trends
-from simcore.evaluation.porosity import bulk_porosity, porosity_profile
+from simcore.evaluation.porosity import bulk_porosity, porosity_profile, warnings_of
 from simcore.grains.statistics import mixture_features
 from simcore.provenance.code_name import name_of_sources
 
@@ -40,7 +40,7 @@ def evaluate(packing, slice_height=None, cut=None):
         "n_grains": packing.sizes["grain"],
         "evaluation_code": name_of_sources("simcore/evaluation/evaluate.py"),
     }
-    warnings = [*filter(None, packing.attrs.get("warnings", "").split("\n")), *separation_warnings(composed)]
+    warnings = [*warnings_of(packing), *separation_warnings(composed)]
     notes |= {"warnings": "\n".join(warnings)} if warnings else {}
     try:
         parts.append(_trends(packing, bulk))

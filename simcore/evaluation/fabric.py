@@ -245,10 +245,6 @@ def _check_scenes(fabrics):
             "packing as another; make the fabrics from files of `scree pack`, or set the attribute"
         )
     seeds = [int(data.attrs["seed"]) for data in fabrics]
-    if len(set(seeds)) < len(seeds):
-        raise ValueError(
-            f"fabric_over_seeds: seeds {seeds} are not distinct, so the packings are not independent; give each once"
-        )
     reference = fabrics[0]
     for data, seed in zip(fabrics[1:], seeds[1:], strict=True):
         differing = [name for name in ("bearing_contacts", "cut") if data.attrs[name] != reference.attrs[name]]
@@ -261,4 +257,8 @@ def _check_scenes(fabrics):
                 f"fabric_over_seeds: the packings of seeds {seeds[0]} and {seed} differ in {', '.join(differing)}; "
                 "give packings that differ only in their seed"
             )
+    if len(set(seeds)) < len(seeds):
+        raise ValueError(
+            f"fabric_over_seeds: seeds {seeds} are not distinct, so the packings are not independent; give each once"
+        )
     return seeds

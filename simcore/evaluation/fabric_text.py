@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from simcore.evaluation.rounding import heights_in_mm
+
 LABELS = {"contact_normal": "contact normals", "long_axis": "long axes", "short_axis": "short axes"}
 
 
@@ -10,14 +12,16 @@ def fabric_text(fabric):
     several = "packings" in fabric.attrs
     count = f"{fabric.attrs['packings']} packings, " if several else ""
     source = "over seeds" if several else "within the packing, assuming independent contacts and grains"
+    in_cylinder = fabric.attrs.get("domain_shape") == "cylinder"
+    low, high = heights_in_mm(float(fabric["z_lower"]), float(fabric["z_upper"]))
     lines = [
-        f"{count}{int(fabric['grains'])} grains in the bulk, {1e3 * float(fabric['z_lower']):.1f} to "
-        f"{1e3 * float(fabric['z_upper']):.1f} mm above the floor",
+        f"{count}{int(fabric['grains'])} grains in the bulk, {low} to {high} mm above the floor"
+        + (", without those next to the wall" if in_cylinder else ""),
         f"± standard error {source}",
         "",
     ]
     for label, name in (
-        ("solid fraction", "solid_fraction"),
+        ("solid fraction, up to the wall" if in_cylinder else "solid fraction", "solid_fraction"),
         ("contacts per grain", "coordination_number"),
         ("  without rattlers", "coordination_number_without_rattlers"),
         (f"rattlers (fewer than {fabric.attrs['bearing_contacts']} contacts)", "rattler_fraction"),

@@ -160,3 +160,8 @@ def describe(packing, title):
     """Return the global attributes of a result: CF version, title, and the origin of the packing."""
     origin = {name: packing.attrs[name] for name in ORIGIN if name in packing.attrs}
     return {"Conventions": "CF-1.11", "title": title} | origin
+
+
+def warnings_of(packing) -> list[str]:
+    """Return the warnings in the Dataset of a packing, a list of sentences."""
+    return [line for line in packing.attrs.get("warnings", "").split("\n") if line]

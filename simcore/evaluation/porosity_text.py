@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 from tabulate import tabulate
 
-from simcore.evaluation.porosity import porosity_profile
+from simcore.evaluation.porosity import porosity_profile, warnings_of
+from simcore.evaluation.rounding import heights_in_mm
 
 METHODS = {"spheres": "spheres of equal volume, as in Rettinger et al. (2022)", "exact": "the grains themselves"}
 
@@ -16,12 +17,12 @@ def porosity_text(bulk, packing) -> str:
 
     packing: the Dataset that it was computed from, for the number of its grains.
     """
-    low, high, top = (1e3 * float(bulk[name]) for name in ("z_lower", "z_upper", "bed_top"))
+    low, high, top = heights_in_mm(*(float(bulk[name]) for name in ("z_lower", "z_upper", "bed_top")))
     n, error = float(bulk["n"]), float(bulk["n_std_error"])
     rows = [
         ("porosity n", f"{n:.4f} ± {error:.4f}"),
-        ("evaluated", f"{low:.1f} to {high:.1f} mm above the floor"),
-        ("surface of the bed", f"{top:.1f} mm above the floor"),
+        ("evaluated", f"{low} to {high} mm above the floor"),
+        ("surface of the bed", f"{top} mm above the floor"),
         ("grains in the bed", f"{packing.sizes['grain']}"),
         ("sliced", METHODS[bulk.attrs["method"]]),
     ]
@@ -31,14 +32,14 @@ def porosity_text(bulk, packing) -> str:
         "± is the sampling error: the expected scatter over seeds of a bed of this size. It is itself known to about "
         f"{own_error:.0f} %."
     ]
-    notes += [f"warning: {line}" for line in packing.attrs.get("warnings", "").split("\n") if line]
+    notes += [f"warning: {line}" for line in warnings_of(packing)]
     return "\n".join([tabulate(rows, tablefmt="plain", disable_numparse=True), "", *notes])
 
 
-def porosity_json(bulk) -> str:
-    """Return the scalars of bulk_porosity with their method as JSON; lengths in metres."""
+def porosity_json(bulk, packing) -> str:
+    """Return the scalars of bulk_porosity with their method, and the warnings, as JSON; lengths in metres."""
     scalars = {name: float(value) for name, value in bulk.data_vars.items() if value.ndim == 0}
-    return json.dumps({"method": bulk.attrs["method"], **scalars}, indent=1)
+    return json.dumps({"method": bulk.attrs["method"], **scalars, "warnings": warnings_of(packing)}, indent=1)
 
 
 def profile_table(packing, bulk) -> pd.DataFrame:

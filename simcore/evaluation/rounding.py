@@ -33,6 +33,13 @@ def rounded(value, error=np.nan, decimals=3, sign=""):
     return f"{text} ± {error:.{decimals}f}" if np.isfinite(error) else text
 
 
+def heights_in_mm(*heights):
+    """Return heights [m] above the floor in mm as texts: with one decimal, or of thin beds with three digits."""
+    largest = 1e3 * max(heights)
+    decimals = 1 if not 0.0 < largest < 10.0 else int(2 - np.floor(np.log10(largest)))
+    return [f"{1e3 * height:.{decimals}f}" for height in heights]
+
+
 def with_decimals(value, decimals, sign=""):
     """Return a value with so many decimals as text, with a minus sign instead of a hyphen; a zero has no sign.
 

@@ -48,14 +48,15 @@ def default_edge(packing) -> float:
     return min(float(np.median(packing["D"].values)) / VOXELS_PER_SIZE, smallest / VOXELS_PER_GRAIN)
 
 
-def voxels(packing, size=None, periodic="cut"):
+def voxels(packing, size=None, periodic="cut", level=None):
     """Return the Voxels of a packing.
 
     size [m]: edge of a voxel; None: default_edge. The grid reaches from the floor to the highest grain. With
     periodic="cut" it is exactly one period wide and continues on its opposite side; the spacing along x and y is then
     the width over a whole number, the nearest to `size`. Otherwise it contains all grains, with their images if
-    periodic="copy". Where two grains overlap, the later one counts. ValueError if the size is not positive, exceeds the
-    smallest grain, or makes more than MOST_VOXELS.
+    periodic="copy", and in a cylinder its cross-section. Where two grains overlap, the later one counts. level: (height
+    [m] of a plane between two layers, thickness [m] of a layer); None: the lower end of the bed, and `size`. ValueError
+    if the size is not positive, exceeds the smallest grain, or makes more than MOST_VOXELS.
     """
     smallest = float(packing["S"].values.min())
     if size is None:
@@ -67,13 +68,17 @@ def voxels(packing, size=None, periodic="cut"):
         )
     where, solids = places(packing, periodic), _Solids(packing)
     low, high = solids.extents(where)
-    spacing, origin = np.full(3, size), np.array([*low.min(axis=0)[:2], min(float(low[:, 2].min()), 0.0)])
-    if where.sides is None:
-        counts = np.ceil((high.max(axis=0) - origin) / spacing).astype(int)
-    else:
-        across = max(round(where.sides / size), 1)
-        spacing[:2], origin[:2] = where.sides / across, 0.0
-        counts = np.array([across, across, int(np.ceil((high[:, 2].max() - origin[2]) / size))])
+    spacing, origin, end = np.full(3, size), np.append(low.min(axis=0)[:2], min(low[:, 2].min(), 0.0)), high.max(axis=0)
+    if packing.attrs["domain_shape"] == "cylinder":
+        radius = 0.5 * float(packing.attrs["domain_width"])
+        origin[:2], end[:2] = np.minimum(origin[:2], -radius), np.maximum(end[:2], radius)
+    if level is not None:
+        spacing[2] = level[1]
+        origin[2] = level[0] - np.ceil((level[0] - origin[2]) / spacing[2] - 1e-9) * spacing[2]
+    counts = np.ceil((end - origin) / spacing).astype(int)
+    if where.sides is not None:
+        counts[:2] = max(round(where.sides / size), 1)
+        spacing[:2], origin[:2] = where.sides / counts[0], 0.0
     if counts.prod(dtype=float) > MOST_VOXELS:
         raise ValueError(
             f"voxels: {counts[0]} × {counts[1]} × {counts[2]} voxels of {1e3 * size:g} mm are more than "
@@ -133,13 +138,25 @@ class _Solids:
         return (base * self.scale[grain]) @ self.to_world[grain].T + centre
 
 
+def outside_cylinder(packing, grid):
+    """Return whether the voxels of a layer of a grid are outside the domain, (nx, ny) bool, by their centres."""
+    if packing.attrs["domain_shape"] != "cylinder":
+        return np.zeros(grid.labels.shape[:2], bool)
+    x, y = (grid.origin[i] + (np.arange(grid.labels.shape[i]) + 0.5) * grid.spacing[i] for i in (0, 1))
+    return x[:, None] ** 2 + y**2 > (0.5 * float(packing.attrs["domain_width"])) ** 2
+
+
 def write_voxels(path, packing, size=None, periodic="cut"):
     """Write the voxels with their spacing; see `voxels`. The value of a voxel is 0 in a pore, else its grain + 1.
+
+    A voxel without a grain whose centre is outside a cylinder has the largest value of its type, 65535 or 4294967295.
 
     .npz: arrays labels (nx, ny, nz), spacing (3,), origin (3,) [m] and volume_error [m³]. .tif: pages along z, rows
     along y, for ImageJ with the spacing in millimetres. .vti: cell data `label` for ParaView.
     """
     grid = voxels(packing, size, periodic)
+    outside = outside_cylinder(packing, grid)[:, :, None] & (grid.labels == PORE)
+    grid.labels[outside] = np.iinfo(grid.labels.dtype).max
     suffix = path.suffix.lower()
     if suffix == ".npz":
         with path.open("wb") as file:

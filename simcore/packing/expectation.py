@@ -137,8 +137,8 @@ def warnings(scene: Scene, expected: Expectation) -> list[str]:
         lines.append(
             f"{steps:g} steps per contact time are fewer than the {needed.expected:.{digits}f} that a bed of such "
             f"grains is expected to need. The stiffest grains would vibrate and gain energy until their contacts slip "
-            f"or open; the bed may not come to rest, or a grain may be thrown. Raise numerics.steps_per_contact_time to at "
-            f"least {np.ceil(needed.expected):.0f}."
+            f"or open; the bed may not come to rest, or a grain may be thrown. Raise numerics.steps_per_contact_time "
+            f"to at least {np.ceil(needed.expected):.0f}."
         )
     if expected.impact_depth > DEEP_IMPACT * expected.half_thickness:
         lines.append(

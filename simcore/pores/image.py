@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.evaluation.porosity import domain_area
-from simcore.export.voxels import PORE, default_edge, voxels
+from simcore.export.voxels import PORE, default_edge, outside_cylinder, voxels
 
 # Largest number of fine voxels unless their edge is given; PoreSpy and the diffusion take seconds per million voxels.
 DEFAULT_MOST = 8_000_000
@@ -21,7 +21,7 @@ class PoreImage(NamedTuple):
     pores: np.ndarray  # (nx, ny, nz) bool
     spacing: np.ndarray  # (3,) [m]; the spacing along z is that of the request
     periodic: bool  # along x and y
-    area: float  # [m²], horizontal area of the domain
+    area: float  # [m²], horizontal area of the domain; of a cylinder, of the voxels in it
     lowest: int  # number of the lowest layer that counts; layers below it only surround the others
     end: int  # number after that of the highest layer that counts
     volume_error: float = 0.0  # [m³], standard error of the solid volume in these layers by the finite voxels
@@ -81,42 +81,29 @@ def _rounded_down(value):
 def pore_image(packing, low, high, size, margin=0.0):
     """Return the PoreImage between z = low and z = high with voxels of edge `size` [m].
 
-    A layer counts if its middle is between the heights. margin [m]: height of the layers below and above that are
-    added where the bed has them, for methods that look at the surroundings of a pore. ValueError as in
-    simcore.export.voxels, or if fewer than two layers are between the heights.
+    The heights are planes between layers; the spacing along z is the nearest to `size` for which this is so. margin
+    [m]: height of the layers below and above that are added where the bed has them, for methods that look at the
+    surroundings of a pore. ValueError as in simcore.export.voxels, or if fewer than two layers are between the heights.
     """
-    grid = voxels(packing, size, "cut")
-    nz = grid.labels.shape[2]
-    middle = grid.origin[2] + (np.arange(nz) + 0.5) * grid.spacing[2]
-    counted = np.flatnonzero((middle > low) & (middle < high))
-    if len(counted) < 2:
+    layers = round((high - low) / size)
+    if layers < 2:
         raise ValueError(
             f"pores: fewer than two layers of voxels of {1e3 * size:.3g} mm are between {1e3 * low:.1f} mm and "
             f"{1e3 * high:.1f} mm; choose a smaller --voxel or --cut"
         )
-    extra = int(np.ceil(margin / grid.spacing[2]))
+    grid = voxels(packing, size, "cut", (low, (high - low) / layers))
+    nz = grid.labels.shape[2]
+    middle = grid.origin[2] + (np.arange(nz) + 0.5) * grid.spacing[2]
+    counted = np.flatnonzero((middle > low) & (middle < high))
+    extra = int(np.ceil(margin / grid.spacing[2] - 1e-9))
     start, stop = max(counted[0] - extra, 0), min(counted[-1] + 1 + extra, nz)
     pores = grid.labels[:, :, start:stop] == PORE
-    periodic = packing.attrs["domain_shape"] == "periodic"
-    if not periodic:
-        pores = _inside_cylinder(pores, grid, 0.5 * float(packing.attrs["domain_width"]))
+    inside = ~outside_cylinder(packing, grid)
+    pores &= inside[:, :, None]
+    area = np.count_nonzero(inside) * float(grid.spacing[:2].prod())
     # The variance of the volume is in proportion to the surface, and this nearly to the volume.
     share = np.count_nonzero(grid.labels[:, :, counted] != PORE) / max(np.count_nonzero(grid.labels != PORE), 1)
     return PoreImage(
-        pores, grid.spacing, periodic, domain_area(packing), int(counted[0] - start), int(counted[-1] + 1 - start),
-        grid.volume_error * float(np.sqrt(share)),
+        pores, grid.spacing, packing.attrs["domain_shape"] == "periodic", area, int(counted[0] - start),
+        int(counted[-1] + 1 - start), grid.volume_error * float(np.sqrt(share)),
     )  # fmt: skip
-
-
-def _inside_cylinder(pores, grid, radius):
-    """Return the pore voxels of a grid around the grains, extended to a cylinder about x = y = 0, and none outside it.
-
-    pores: (nx, ny, nz) bool of the Voxels `grid`; radius [m].
-    """
-    spacing, start = grid.spacing[:2], grid.origin[:2]
-    stop = start + pores.shape[:2] * spacing
-    before, after = (np.ceil(np.maximum(gap, 0.0) / spacing).astype(int) for gap in (start + radius, radius - stop))
-    pores = np.pad(pores, (*zip(before, after, strict=True), (0, 0)), constant_values=True)
-    start = start - before * spacing
-    x, y = (start[i] + (np.arange(pores.shape[i]) + 0.5) * spacing[i] for i in (0, 1))
-    return pores & (x[:, None] ** 2 + y**2 <= radius**2)[:, :, None]

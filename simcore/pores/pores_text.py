@@ -5,7 +5,7 @@ import json
 import numpy as np
 from tabulate import tabulate
 
-from simcore.evaluation.rounding import MAX_DECIMALS, error_decimals
+from simcore.evaluation.rounding import MAX_DECIMALS, error_decimals, heights_in_mm
 from simcore.pores.kozeny_carman import CONSTANT
 
 # Ratio to Zick and Homsy (1982) less 1, face-centred and simple cubic; docs/how_to/pores.md.
@@ -43,17 +43,19 @@ def pores_text(results, missing=(), reason="") -> str:
     return "\n".join(lines)
 
 
-def pores_json(results) -> str:
-    """Return the results as JSON, in SI units; a number that is not finite is null."""
-    return json.dumps({name: value if np.isfinite(value) else None for name, value in results.items()}, indent=1)
+def pores_json(results, warnings=()) -> str:
+    """Return the results and the warnings of the packing as JSON, in SI units; a number that is not finite is null."""
+    numbers = {name: value if np.isfinite(value) else None for name, value in results.items()}
+    return json.dumps({**numbers, "warnings": list(warnings)}, indent=1)
 
 
 def _bulk_table(results):
     n, surface = results["porosity"], results["specific_surface"]
     spread = results["kozeny_carman_spread"]
+    low, high = heights_in_mm(results["z_lower"], results["z_upper"])
     rows = [
         ("porosity n", f"{n:.4f} ± {results['porosity_sampling_error']:.4f}"),
-        ("evaluated", f"{1e3 * results['z_lower']:.1f} to {1e3 * results['z_upper']:.1f} mm above the floor"),
+        ("evaluated", f"{low} to {high} mm above the floor"),
         (
             "surface of the grains",
             f"{surface:.4g} m²/m³ of grains, {results['surface_per_bed_volume']:.4g} m²/m³ of bed",

@@ -9,6 +9,7 @@ import pytest
 from simcore.__main__ import main
 from simcore.evaluation.porosity import bulk_porosity
 from simcore.evaluation.porosity_text import profile_table
+from simcore.evaluation.rounding import heights_in_mm
 from simcore.packing.file import write_packing
 from tests.helpers.packings import make_packing
 from tests.helpers.polyhedra import CUBE
@@ -39,7 +40,7 @@ def test_the_table_has_the_numbers_of_the_json(path, capsys, method):
     assert main(["porosity", str(path), "--json", *exact]) == 0
     numbers = json.loads(capsys.readouterr().out)
     bulk = bulk_porosity(cubes(), method)
-    assert numbers == {"method": method, **{name: float(bulk[name]) for name in bulk}}
+    assert numbers == {"method": method, **{name: float(bulk[name]) for name in bulk}, "warnings": []}
     assert lines["porosity n"] == f"{numbers['n']:.4f} ± {numbers['n_std_error']:.4f}"
     low, high, top = (1e3 * numbers[name] for name in ("z_lower", "z_upper", "bed_top"))
     assert lines["evaluated"] == f"{low:.1f} to {high:.1f} mm above the floor"
@@ -91,3 +92,37 @@ def test_a_profile_that_cannot_be_written_is_told_first(path, tmp_path, capsys):
     assert main(["porosity", str(path), "--profile", str(tmp_path / "file" / "out.csv")]) == 2
     printed = capsys.readouterr()
     assert "cannot be written" in printed.err and printed.out == ""
+
+
+def test_each_command_on_a_bed_repeats_its_warnings(tmp_path, capsys):
+    """A bed that vibrated has a porosity, a fabric and pores that may be wrong, so that each command says so."""
+    beds = [tmp_path / "a.nc", tmp_path / "b.nc"]
+    for seed, path in enumerate(beds):
+        write_packing(path, cubes("It vibrated.").assign_attrs(seed=seed))
+    for words in (["porosity", beds[0]], ["pores", "--no-voxels", beds[0]], ["fabric", beds[0]], ["compare", *beds]):
+        assert main([str(word) for word in words]) == 0
+        assert "warning: It vibrated." in capsys.readouterr().out, words
+    for words in (["porosity", "--json", beds[0]], ["pores", "--no-voxels", "--json", beds[0]]):
+        assert main([str(word) for word in words]) == 0
+        assert json.loads(capsys.readouterr().out)["warnings"] == ["It vibrated."], words
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["porosity", "--profile", "n.xlsx"], "n.xlsx must end in .csv"),
+        (["fabric", "--out", "f.csv"], "f.csv must end in .nc"),
+        (["fabric", "--bearing-contacts", "0"], "--bearing-contacts 0: give a number of contacts from 1 upwards"),
+    ],
+)
+def test_files_of_another_kind_and_impossible_numbers_are_refused(path, capsys, words, message):
+    assert main([*words, str(path)]) == 2
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("heights", "texts"),
+    [((0.0081, 0.0353), ["8.1", "35.3"]), ((0.0021, 0.0089), ["2.10", "8.90"]), ((9e-5, 3.2e-4), ["0.090", "0.320"])],
+)
+def test_heights_of_thin_beds_have_three_digits(heights, texts):
+    assert heights_in_mm(*heights) == texts

@@ -166,3 +166,21 @@ def test_the_default_size_resolves_small_grains_too():
     assert grid.spacing[0] == pytest.approx(0.5e-3 / 4, rel=0.01)
     assert np.count_nonzero(grid.labels == 2) > 10
     assert grid.spacing[2] * grid.labels.shape[2] <= HEIGHT
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".tif"])
+def test_voxels_outside_a_cylinder_are_neither_pores_nor_grains(tmp_path, suffix):
+    """The share of pores among the voxels in the cylinder is its porosity, and the grid is as wide as the cylinder."""
+    radius = 0.01
+    bed = make_packing([[0.001, 0.0, 0.004], [-0.003, 0.002, 0.012]], 0.004, width=2 * radius, domain="cylinder")
+    export(bed, tmp_path / f"bed{suffix}", None, voxel=0.2e-3)
+    if suffix == ".npz":
+        with np.load(tmp_path / "bed.npz") as file:
+            labels = file["labels"]
+    else:
+        labels = tifffile.imread(tmp_path / "bed.tif").transpose(2, 1, 0)
+    assert labels.shape[:2] == (100, 100) and set(np.unique(labels)) == {0, 1, 2, 65535}
+    inside = labels[labels != 65535]
+    height = 0.2e-3 * labels.shape[2]
+    exact = 1.0 - 2 * (4 / 3 * np.pi * 0.004**3) / (np.pi * radius**2 * height)
+    assert np.mean(inside == 0) == pytest.approx(exact, abs=0.002)

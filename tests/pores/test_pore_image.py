@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from simcore.evaluation.porosity import bulk_porosity
+from simcore.evaluation.porosity import bulk_porosity, domain_area
+from simcore.evaluation.slicing import slab_volumes
 from simcore.pores import image
 from simcore.pores.image import TooManyVoxels, pore_image, voxel_sizes
 from tests.helpers.packings import make_packing, sphere_lattice
@@ -23,7 +24,7 @@ def test_porosity_is_that_of_the_bulk():
     bulk = bulk_porosity(bed, method="exact", cut=0.01)
     low, high = float(bulk["z_lower"]), float(bulk["z_upper"])
     found = pore_image(bed, low, high, 0.25e-3)
-    assert found.height == pytest.approx(high - low, abs=0.25e-3)
+    assert found.height == pytest.approx(high - low, rel=1e-9)
     assert found.porosity == pytest.approx(float(bulk["n"]), abs=0.005)
     assert found.periodic and found.inside.shape == found.pores.shape
 
@@ -39,6 +40,22 @@ def test_the_error_of_the_porosity_is_that_of_counting_voxels():
         errors.append(found.porosity - fine.porosity)
         stated.append(found.porosity_error)
     assert 0.5 < np.std(errors) / np.mean(stated) < 2.0
+
+
+@pytest.mark.parametrize("domain", ["periodic", "cylinder"])
+def test_the_porosity_is_that_of_slices_between_the_same_heights(domain):
+    """The heights are planes between layers, and the area of a cylinder is that of its voxels."""
+    rng = np.random.default_rng(1)
+    for _ in range(8):
+        bed, (low, high) = lattice(domain), rng.uniform([0.01, 0.035], [0.02, 0.045])
+        if domain == "periodic":
+            bed["position"][:, :2] += rng.uniform(0.0, 0.002, 2)
+        found = pore_image(bed, low, high, rng.uniform(0.35e-3, 0.5e-3))
+        exact = 1.0 - slab_volumes(bed, [low, high], "exact")[0] / (domain_area(bed) * (high - low))
+        assert found.height == pytest.approx(high - low, rel=1e-9)
+        # Five columns of equal spheres are cut by the layers at the same heights.
+        tolerance = 5.0 * found.porosity_error if domain == "periodic" else 0.003
+        assert found.porosity == pytest.approx(exact, abs=tolerance)
 
 
 def test_outside_a_cylinder_there_are_no_pores():

@@ -26,7 +26,7 @@ def bed_figure(packing, bulk=None, title="", pixels=900):
     left, middle, right = figure.subfigures(1, 3, width_ratios=(4.6, 3.2, 5.2))
     _draw_picture(left, packing, pixels)
     axes = middle.subplots()
-    draw_profile(axes, {"n(z)": porosity_profile(packing, 1e-3, "exact")["porosity"]}, bulk)
+    draw_profile(axes, {"n(z)": porosity_profile(packing, None, "exact")["porosity"]}, bulk)
     _legend_below(middle, [axes], 2)
     above, below = right.subfigures(2, 1)
     draw_sizes(above.subplots(), packing)
@@ -77,7 +77,7 @@ def draw_azimuths(axes, packing):
     axes.set_title("azimuths of long axes", fontsize="medium")
     inclined = np.hypot(*directions.T[:2]) > 1e-9
     if not inclined.any():
-        _say_none(axes)
+        _say_none(axes, "no long axis:\nL = I")
         return
     angle = np.arctan2(directions[inclined, 1], directions[inclined, 0]) % np.pi
     counts, edges = np.histogram(angle, SECTORS, (0.0, np.pi))
@@ -106,7 +106,7 @@ def draw_dips(axes, packing):
         axes.plot(dip, radius, color=color, ls=line, label=label)
         drawn = True
     if not drawn:
-        _say_none(axes)
+        _say_none(axes, "no axis: the grains\nare round")
         return
     _draw_isotropic(axes, 0.5 * np.pi)
     axes.set_ylim(bottom=0.0)
@@ -138,6 +138,6 @@ def _legend_below(figure, panels, columns):
         )
 
 
-def _say_none(axes):
+def _say_none(axes, text):
     axes.set_axis_off()
-    axes.text(0.5, 0.5, "no axis: the grains\nare round", transform=axes.transAxes, ha="center", va="center")
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center")
