@@ -9,7 +9,7 @@ from simcore.evaluation.rounding import MAX_DECIMALS, error_decimals, heights_in
 from simcore.pores.kozeny_carman import CONSTANT
 
 # Ratio to Zick and Homsy (1982) less 1, face-centred and simple cubic; docs/how_to/pores.md.
-NETWORK_MISSES = "−16 to +69 % at d/40"
+NETWORK_MISSES = "−8 to +69 % at d/40"
 INSTALL = "pip install '.[pores]' in the folder of Scree"
 
 
