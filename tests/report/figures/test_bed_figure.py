@@ -69,8 +69,8 @@ def test_round_grains_have_no_rose():
     centres, width = sphere_lattice("bcc", 3, 6)
     bed = make_packing(1e-2 * centres, 5e-3, width=1e-2 * width)
     shown = panels(bed_figure(bed, pixels=100))
-    for title in ("azimuths of long axes", "dip of the axes"):
-        assert not shown[title].axison and "round" in shown[title].texts[0].get_text()
+    for title, text in (("azimuths of long axes", "L = I"), ("dip of the axes", "round")):
+        assert not shown[title].axison and text in shown[title].texts[0].get_text()
     assert "evaluated interval" not in lines(shown["porosity n [-]"])
 
 
