@@ -96,6 +96,7 @@ class Process:
     def run(self):
         """Run the packing to its end; return Packed on rank 0 and None on the others."""
         expected = self.expect()
+        self.insertion.pouring.check_widths()
         self.resume()
         state = self.state
         if state.phase == GENERATING:

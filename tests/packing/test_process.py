@@ -230,3 +230,26 @@ def test_a_grain_that_is_shot_away_names_grain_and_step():
     made = set_up_few_spheres()
     with pytest.raises(PackingError, match=r"grain 7 moves at .* m/s at step \d+, more than fall and shaking"):
         pack(made.scene, made.bases, spoilt(made, 7, 1000.0))
+
+
+@pytest.mark.parametrize("placement", ["filled", "random"])
+def test_a_grain_wider_than_the_domain_is_refused_before_the_first_step(placement):
+    """Only the last of 60 grains is too long; without this check it was found when its batch came."""
+    long = {"kind": "ellipsoid", "choice": "form", "flatness": 0.5, "elongation": 0.3}
+    made = set_up_few_spheres(
+        shapes=long,
+        generation={"placement": placement, "fill": "bed"},
+        amount={"grains": 60},
+        domain={"width": "40 mm"},
+    )
+    few = np.arange(59)
+
+    def draw(ids):
+        drawn = made.draw(np.asarray(ids))
+        scale = np.where(np.isin(ids, few)[:, None], 0.3 * drawn.scale, 3.0 * drawn.scale)
+        return drawn._replace(scale=scale)
+
+    process = Process(made.scene, made.bases, draw, lambda line: None)
+    with pytest.raises(PackingError, match=r"few: a grain is 85.1 mm wide and does not fit into a domain 40 mm wide"):
+        process.run()
+    assert process.step == 0 and process.bodies is None

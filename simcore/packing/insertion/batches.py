@@ -12,6 +12,7 @@ import numpy as np
 
 from simcore.packing.insertion.initial_states import occupy_sites
 from simcore.packing.insertion.random_placement import (
+    check_reach,
     fall_time,
     fitting_grains,
     layer_grains,
@@ -24,6 +25,7 @@ from simcore.scene.scene import R22_FIRST_FILL, REFILL_HEIGHT, Scene
 from simcore.scene.shapes import Base, Draw, grain_volumes
 
 FIRST_DRAWN = 1000  # grains that are drawn at least to find how many a mass has
+CHECKED = 100_000  # grains of which none may be wider than the domain
 MEAN_REACH = 200  # grains whose mean size gives the number of grains in a layer
 
 
@@ -42,6 +44,21 @@ class Pouring:
         """bases: shapes of the grains; draw(ids (n,)) -> Draw."""
         self.scene, self.bases, self.draw = scene, bases, draw
         self._next_filled = functools.lru_cache(maxsize=1)(self._remaining_grains)
+
+    def check_widths(self):
+        """Raise PackingError if one of the grains is wider than the domain, as far as their number is known.
+
+        At random places a grain may have any orientation. In a lattice it is upright, and sites that it does not fit
+        into stay empty.
+        """
+        scene = self.scene
+        if scene.generation.placement == "lattice" or scene.amount_grains is None:
+            return
+        reach, _ = extents(self.bases, self.draw(np.arange(min(scene.amount_grains, CHECKED))), any_orientation=True)
+        try:
+            check_reach(reach, scene.domain.width)
+        except ValueError as error:
+            raise PackingError(f"{scene.name}: {error}") from None
 
     def has_space(self, inserted: int, top: float, highest: Callable, last: bool = False) -> bool:
         """Return whether there is space for a batch above `top` [m] after `inserted` grains.

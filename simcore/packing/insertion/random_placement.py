@@ -33,6 +33,16 @@ def fitting_grains(reach, volumes, area: float, fraction: float, height: float) 
     return int(np.searchsorted(heights, height, side="right"))
 
 
+def check_reach(reach, width: float) -> None:
+    """Raise ValueError if a grain, of these bounding radii [m], is wider than the domain [m]."""
+    widest = float(np.max(reach))
+    if 2.0 * widest >= width:
+        raise ValueError(
+            f"a grain is {2e3 * widest:.3g} mm wide and does not fit into a domain {1e3 * width:g} mm wide; raise "
+            f"domain.width, or leave out such long grains"
+        )
+
+
 def release_places(ids, reach, height: float, domain, low: float, seed: int, touching, turns=None) -> np.ndarray:
     """Return centres (n, 3) [m] of the grains `ids` (n,), in increasing order, in the zone from `low` [m] upwards.
 
@@ -44,11 +54,7 @@ def release_places(ids, reach, height: float, domain, low: float, seed: int, tou
     turns = np.arange(len(ids)) if turns is None else np.asarray(turns)
     ids, reach = np.asarray(ids, np.int64), np.asarray(reach, float)
     width, periodic = domain.width, domain.periodic
-    if 2.0 * reach.max() >= width:
-        raise ValueError(
-            f"a grain is {2e3 * reach.max():.3g} mm wide and does not fit into a domain {1e3 * width:g} mm wide; raise "
-            f"domain.width"
-        )
+    check_reach(reach, width)
     # The id is the second word of the counter, which leaves 2^64 numbers between one grain and the next.
     streams = [
         np.random.Generator(np.random.Philox(key=[seed, RELEASE_STREAM], counter=[0, int(grain), 0, 0]))
