@@ -9,6 +9,7 @@ from simcore.dem.forces.spring_dashpot import ContactLaw, contact_law, implicit_
 from simcore.dem.forces.viscous_friction import CAPPED, NONE, VISCOUS
 from simcore.dem.stability import longest_stable_step, minimum_steps_per_contact_time
 from simcore.dem.state.features import Features
+from simcore.scene.quantity import rounded_down
 from simcore.scene.scene import SPRUNG, Scene
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON
 
@@ -108,11 +109,16 @@ def _check_steps(scene: Scene, needed: float):
         )
 
 
-def stiffening_advice(scene: Scene) -> str:
-    """Return a sentence with the setting that makes contacts stiffer and its present value."""
+def stiffening_advice(scene: Scene, factor: float | None = None) -> str:
+    """Return a sentence with the setting that makes contacts stiffer and its present value.
+
+    factor: of the depth of impacts that is wanted, in proportion to the contact time; None if it is unknown.
+    """
     material = scene.material
     if material.youngs_modulus is not None:
         return f"Raise material.youngs_modulus, which is {material.youngs_modulus:g} Pa, to make contacts stiffer."
     if material.overlap_at_rest is not None:
         return f"Lower material.overlap_at_rest, which is {material.overlap_at_rest:g}, to make contacts stiffer."
-    return f"Shorten numerics.contact_time, which is {scene.numerics.contact_time:g} s, to make contacts stiffer."
+    now = scene.numerics.contact_time
+    least = "" if factor is None else f" to at most {rounded_down(factor * now):g} s"
+    return f"Shorten numerics.contact_time, which is {now:g} s,{least or ' to make contacts stiffer'}."

@@ -128,6 +128,13 @@ def backing(scene: Scene) -> float:
     return float(deepest / relative_depth(law))
 
 
+def _will_fail(expected) -> str:
+    """Return a sentence on an impact at which a packing stops with an error, or ""."""
+    if expected.impact_depth <= expected.half_thickness:
+        return ""
+    return "A packing stops with an error if such an impact is deeper than half of a grain's thickness. "
+
+
 def warnings(scene: Scene, expected: Expectation) -> list[str]:
     """Return a warning of one or two sentences for each thing that may go wrong."""
     lines = []
@@ -144,8 +151,9 @@ def warnings(scene: Scene, expected: Expectation) -> list[str]:
         lines.append(
             f"A grain that falls through the domain arrives at {expected.fall_speed:.2g} m/s and overlaps another by "
             f"{expected.impact_depth * 1e3:.2g} mm, while the thinnest grain is "
-            f"{2e3 * expected.half_thickness:.2g} mm thick. {stiffening_advice(scene)} Impacts also become shallower "
-            f"if grains fall less far."
+            f"{2e3 * expected.half_thickness:.2g} mm thick. {_will_fail(expected)}"
+            f"{stiffening_advice(scene, DEEP_IMPACT * expected.half_thickness / expected.impact_depth)} "
+            f"Impacts also become shallower if grains fall less far: lower domain.height or generation.drop_height."
         )
     width = scene.domain.width
     if expected.longest > width:

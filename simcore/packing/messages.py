@@ -19,9 +19,11 @@ def steps_advice(scene) -> str:
 
 def about_stiffest(watch_state) -> str:
     """Return a clause on the number of steps that the stiffest grain needs. watch_state: WatchState."""
+    one = watch_state.contacts == 1
     return (
-        f"grain {watch_state.stiffest} with {watch_state.contacts} contacts alone needs {watch_state.needed:.1f} steps "
-        f"per contact time, and a bed needs {BED_STEP_FACTORS[0]:g} to {BED_STEP_FACTORS[1]:g} times as many"
+        f"grain {watch_state.stiffest} with {watch_state.contacts} {'contact' if one else 'contacts'} alone needs "
+        f"{watch_state.needed:.1f} steps per contact time, and a bed needs {BED_STEP_FACTORS[0]:g} to "
+        f"{BED_STEP_FACTORS[1]:g} times as many"
     )
 
 
@@ -52,7 +54,10 @@ def describe_tolerated(scene, watch_state) -> list[str]:
     lines = []
     if watch_state.warned_of_steps:
         steps = scene.numerics.steps_per_contact_time
-        lines.append(f"At the stiffest moment {about_stiffest(watch_state)}; the packing had {steps:g}.")
+        lines.append(
+            f"At the stiffest moment {about_stiffest(watch_state)}; the packing had {steps:g}. It came to rest all the "
+            f"same, so that it is valid."
+        )
     if watch_state.warned_of_pinching:
         lines.append(
             f"While grains fell, a grain at least {PINCHING:g} times lighter than the heaviest one overlapped another "

@@ -10,6 +10,7 @@ from simcore.grains.sieve import SieveCurve
 from simcore.grains.sources import load_grains
 from simcore.packing.expectation import DEEP_IMPACT, expect
 from simcore.packing.forecast import expected_solid_fraction
+from simcore.scene.quantity import rounded_down
 from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
@@ -160,7 +161,7 @@ def _numerics(start, contact_time):
     expected = expect(setup.scene, setup.bases, setup.draw)
     deepest = DEEP_IMPACT * expected.half_thickness
     if expected.impact_depth > deepest:
-        contact_time = _two_digits(contact_time * deepest / expected.impact_depth)
+        contact_time = rounded_down(contact_time * deepest / expected.impact_depth)
     needed, standard = np.ceil(expected.stability.expected), setup.scene.numerics.steps_per_contact_time
     return _NUMERICS.format(contact_time * 1e3, f", steps_per_contact_time: {needed:.0f}" if needed > standard else "")
 
@@ -173,13 +174,7 @@ def _contact_time(finest, height):
     of its sieve size thick.
     """
     longest = 0.25 * 0.4 * finest / (0.14 * np.sqrt(SPEED**2 + 2 * 9.81 * height))
-    return min(2e-3, _two_digits(longest))
-
-
-def _two_digits(value):
-    """Return a number rounded down to two digits."""
-    digit = 10.0 ** (np.floor(np.log10(value)) - 1)
-    return float(np.floor(value / digit) * digit)
+    return min(2e-3, rounded_down(longest))
 
 
 def _rounded(shares):

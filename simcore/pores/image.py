@@ -6,6 +6,7 @@ import numpy as np
 
 from simcore.evaluation.porosity import domain_area
 from simcore.export.voxels import PORE, default_edge, outside_cylinder, voxels
+from simcore.scene.quantity import rounded_down
 
 # Largest number of fine voxels unless their edge is given; PoreSpy and the diffusion take seconds per million voxels.
 DEFAULT_MOST = 8_000_000
@@ -64,18 +65,12 @@ def voxel_sizes(packing, low, high, voxel=None):
         volume = domain_area(packing) * (high - low)
         voxel = max(0.5 * default_edge(packing), float(np.cbrt(volume / DEFAULT_MOST)))
         if 2.0 * voxel > smallest:
-            largest = 1e-3 * _rounded_down(0.5e3 * smallest)
+            largest = 1e-3 * rounded_down(0.5e3 * smallest)
             raise TooManyVoxels(
                 f"the smallest grain, {1e3 * smallest:.3g} mm thick, needs {1e-6 * volume / largest**3:.3g} million "
                 f"voxels, which take long; to compute them, give --voxel '{1e3 * largest:g} mm'"
             )
     return 2.0 * voxel, voxel
-
-
-def _rounded_down(value):
-    """Return a number above 0 rounded down to two digits, so that the edge stays below its limit."""
-    unit = 10.0 ** (np.floor(np.log10(value)) - 1.0)
-    return float(np.floor(value / unit) * unit)
 
 
 def pore_image(packing, low, high, size, margin=0.0):

@@ -98,3 +98,9 @@ def _parse_base(text):
         exponents, factor = _UNITS[base]
         return exponents, factor * Fraction(10) ** _PREFIXES[prefix]
     return None
+
+
+def rounded_down(value: float) -> float:
+    """Return a positive number rounded down to two digits."""
+    digit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.floor(value / digit) * digit
