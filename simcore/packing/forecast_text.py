@@ -52,7 +52,7 @@ def bed_lines(setup: Setup, sample) -> list[str]:
         *lines,
         f"{INDENT}Its porosity is evaluated over a height of about {in_mm(bed.evaluated)} mm{left_out}",
         f"{INDENT}and will have a sampling error of about {bed.sampling_error:.2g}; this estimate is right within a "
-        f"factor of {ERROR_FACTOR:g}",
+        f"factor of {ERROR_FACTOR:g} for nine beds of ten",
     ]
 
 
