@@ -407,7 +407,5 @@ def test_the_lines_on_the_bed_name_what_is_left_out():
     lines = "\n".join(bed_lines(setup, draw_packing(setup)))
     bed = forecast(setup.scene.domain, grains_of(setup))
     assert f"about {bed.height * 1e3:.0f} mm high" in lines and "without the lowest 8 mm" in lines
-    assert (
-        f"sampling error of about {bed.sampling_error:.2g}; this estimate is right within a factor of 1.6 for nine beds of ten"
-        in lines
-    )
+    estimate = "this estimate is right within a factor of 1.6 for nine beds of ten"
+    assert f"sampling error of about {bed.sampling_error:.2g}; {estimate}" in lines
