@@ -371,6 +371,9 @@ def _guess(word, names):
     close = difflib.get_close_matches(str(word), [str(item) for item in names if item is not None], n=1)
     if close:
         return f"; did you mean '{close[0]}'?"
+    groups = [key for key, sub in names.items() if word in sub.get("properties", ())] if isinstance(names, dict) else []
+    if groups:
+        return f"; did you mean '{groups[0]}.{word}'?"
     return f"; the keys here are {_join_names(names)}" if isinstance(names, dict) else ""
 
 

@@ -104,6 +104,7 @@ def test_express_is_the_inverse_of_resolve():
     ("path", "value", "message"),
     [
         ("domain.widht", "1 m", r"domain\.widht: unknown key; did you mean 'width'\?"),
+        ("friction", 0.3, r"friction: unknown key; did you mean 'material\.friction'\?"),
         ("graims", {}, r"graims: unknown key; did you mean 'grains'\?"),
         (
             "domain.width",
