@@ -118,6 +118,8 @@ def read_packing(path) -> xr.Dataset:
     path = Path(path)
     if not path.is_file():
         raise ValueError(f"{path}: there is no such file. Make it with `scree pack SPEC.yaml {path}`.")
+    if path.suffix in (".yaml", ".yml"):
+        raise ValueError(f"{path} is a specification. Pack it first: `scree pack {path} {path.with_suffix('.nc')}`.")
     try:
         with xr.open_dataset(path, engine="netcdf4") as packing:
             packing.load()

@@ -105,6 +105,11 @@ def test_files_that_cannot_be_read_give_an_error_of_one_line(made, tmp_path):
     write_packing(path, dataset)
     short = tmp_path / "short.nc"
     short.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    (tmp_path / "bed.yaml").write_text("name: bed\n")
+    with pytest.raises(
+        ValueError, match=r"bed.yaml is a specification. Pack it first: `scree pack .*bed.yaml .*bed.nc`"
+    ):
+        read_packing(tmp_path / "bed.yaml")
     with pytest.raises(ValueError, match=r"short.nc cannot be read as netCDF .*It may be truncated"):
         read_packing(short)
     other = tmp_path / "other.nc"
