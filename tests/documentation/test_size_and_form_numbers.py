@@ -101,7 +101,7 @@ def test_how_much_of_the_effect_of_form_remains():
 
 
 def test_how_many_beds_of_known_porosity_are_inside_their_intervals():
-    words = {4: "four", 5: "Five", 9: "nine", 10: "ten"}
+    words = {3: "three", 4: "four", 5: "Five", 8: "eight", 9: "nine", 10: "ten"}
     known, mixtures = (pd.read_csv(REFERENCE / name) for name in (KNOWN, OF_DISTRIBUTIONS))
     inside, of_mixtures = ((beds["predicted"] - beds["n"]).abs() <= beds["half_width"] for beds in (known, mixtures))
     measured = known["set"] == MEASURED
@@ -231,10 +231,10 @@ def test_beds_of_U7_with_a_distribution_of_form():
         PLAN,
         f"Of the twelve beds {numbers[len(table)]} are packed (",
         f"the mean error is {rule['error']:+.4f} ± {error:.4f} (sampling), and".replace("-", "−"),
-        f"By {numbers[len(rhine)]} of four seeds",
+        f"By {numbers[len(rhine)]} of four seeds the prediction is not confirmed, but only just;",
         f"with the effect of form of lattices it is {lattices.loc['Rhine', 'error']:+.4f}.".replace("-", "−"),
         f"For the {numbers[len(sets)]} of eight sets that are packed the root mean square of the errors is "
-        f"{rules.loc['sets', 'error']:.4f}, and the limit is 0.010, so that they are not confirmed;",
+        f"{rules.loc['sets', 'error']:.4f}, and the limit is 0.010, so that they are not confirmed either;",
         f"with the effect of form of lattices it is {lattices.loc['sets', 'error']:.4f}.",
         f"The {numbers[len(narrow)]} sets with deviations of 0.1 have {rms(narrow):.4f}, the {numbers[len(wide)]} with "
         f"deviations of 0.2 {rms(wide):.4f}.",
@@ -251,7 +251,7 @@ def test_beds_of_U7_with_a_distribution_of_form():
         f"{-(wide['rain'] - wide['n']).min():.3f} looser than predicted too.",
         "two beds of U7 were {:.3f} and {:.3f} looser than predicted".format(*sorted(wide["n"] - wide["rain"])),
     )
-    assert rules["confirmed"].tolist() == [True, False]
+    assert rules["confirmed"].tolist() == [False, False] and abs(rule["error"]) < 1.2 * rule["limit"]
     assert states(
         FINDINGS,
         f"in U7, as a rain: forms from its distribution | {rhine['n'].mean():.3f} ± {error:.3f}; the formula of form "
