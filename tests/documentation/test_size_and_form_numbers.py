@@ -256,6 +256,8 @@ def test_beds_of_U7_with_a_distribution_of_form():
         FINDINGS,
         f"in U7, as a rain: forms from its distribution | {rhine['n'].mean():.3f} ± {error:.3f}; the formula of form "
         f"and sieve curve predicts {rhine['rain'].mean():.3f} from the porosity of our rain beds of U1 | 0.288 |",
+        f"packed minus predicted | {-rule['error']:+.3f} ± {error:.3f} for the Rhine's gravel; "
+        f"{(wide['n'] - wide['rain']).max():+.3f} ± {wide['n_error'].max():.3f} for flat grains of widely varying form",
         f"| {numbers[len(sets)]} sets of forms in U7, predicted without a fit to them | root mean square error "
         f"{rules.loc['sets', 'error']:.4f}, above the limit of 0.010 that was set before | no formula | |",
     )
