@@ -40,9 +40,8 @@ _MEANINGS = {"n": "the porosity", "n_error": "the error of n", "case": "the siev
 # Columns from which n follows, and how.
 _OTHER_MEASURES = {
     re.compile(r"e$|void|porenzahl", re.IGNORECASE): "the porosity of a void ratio e is n = e/(1 + e); ",
-    re.compile(
-        r"(?:dry|bulk).*density|.*dichte|(?:rho|ρ)", re.IGNORECASE
-    ): "the porosity is n = 1 - dry density of the bed / density of the grains; ",
+    re.compile(r"(?:dry|bulk).*density|.*dichte|rho|ρ", re.IGNORECASE): "the porosity is n = 1 - dry density of the "
+    "bed / density of the grains; ",
 }
 NEEDED = (
     "give a row per bed with the column n, its measured porosity, and the form of its grains: mean_FL, std_FL, "
@@ -129,11 +128,10 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
         case = default
     _check_case(table.path, positions, case, sieve)
     of_all = None if sieve is None else curves.read("--sieve", str(sieve))
-    table_of_forms = table.without(*positions.values())
-    forms, names, given = _name_rows(table_of_forms, column)
-    samples, notices = samples_of_table(
-        forms, column, of_beds=True, labels=_columns_with_labels(table_of_forms, column)
-    )
+    forms = table.without(*positions.values())
+    labels = _columns_with_labels(forms, column)
+    forms, names, given = _name_rows(forms, column)
+    samples, notices = samples_of_table(forms, column, of_beds=True, labels=labels)
     if all(sample.one_form for sample in samples):
         notices.append(
             f"{table.path}: each row has one form; if that is a mean over the grains of the bed, the predicted "

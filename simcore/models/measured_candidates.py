@@ -98,7 +98,7 @@ def for_single_beds(candidate, repeats, repeat_scatter):
         return candidate
     scatter = float(np.sqrt(model.scatter**2 + _lost_in_means(repeats, repeat_scatter)))
     changes = {"scatter": scatter}
-    if getattr(model, "scatter_line", None) is not None:
+    if getattr(model, "scatter_line", None) is not None and model.scatter > 0.0:
         changes["scatter_line"] = tuple(scatter / model.scatter * value for value in model.scatter_line)
     return candidate._replace(model=replace(model, **changes))
 

@@ -58,6 +58,12 @@ def test_the_porosity_is_that_of_slices_between_the_same_heights(domain):
         assert found.porosity == pytest.approx(exact, abs=tolerance)
 
 
+def test_the_porosity_between_the_grains_of_a_cylinder_is_1():
+    """The area of the circle of voxels is that over which their volume is divided."""
+    bed = make_packing([[0.0, 0.0, 0.005], [0.0, 0.0, 0.045]], 0.005, width=0.03, domain="cylinder")
+    assert pore_image(bed, 0.015, 0.035, 0.47e-3).porosity == pytest.approx(1.0, rel=1e-12)
+
+
 def test_outside_a_cylinder_there_are_no_pores():
     """The porosity is that of the whole section of a cylinder with five columns of spheres, except a rim of 0.5 %."""
     found = pore_image(lattice("cylinder"), 0.01, 0.03, 0.2e-3)
