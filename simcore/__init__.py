@@ -14,7 +14,8 @@
     simcore.query(shape, pose, shape, pose)     distance of two shapes: sphere, ellipsoid, convex
     simcore.Simulation(shapes, ...)             bodies that you place, moved by their contacts and by gravity
 
-These names are imported when they are first used, so that `import simcore` is fast.
+Functions of `bed` take the path of its file too. These names are imported when they are first used, so that
+`import simcore` is fast.
 
 Data flow in one direction: grains -> scene -> dem -> packing -> evaluation -> models -> campaign -> report.
 
@@ -61,6 +62,7 @@ _PUBLIC = {
     "convex": ("simcore.dem.shapes.polyhedra", "convex"),
     "Simulation": ("simcore.dem.simulation", "Simulation"),
 }
+_OF_A_PACKING = ("porosity", "porosity_profile", "fabric", "coordination_number")
 __all__ = ["__version__", *_PUBLIC]
 
 
@@ -69,7 +71,10 @@ def __getattr__(name):
     if name not in _PUBLIC:
         raise AttributeError(f"module 'simcore' has no attribute {name!r}; it has {', '.join(_PUBLIC)}")
     module, attribute = _PUBLIC[name]
-    value = globals()[name] = getattr(import_module(module), attribute)
+    value = getattr(import_module(module), attribute)
+    if name in _OF_A_PACKING:
+        value = import_module("simcore.packing.file").takes_paths(value)
+    globals()[name] = value
     return value
 
 

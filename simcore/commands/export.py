@@ -40,10 +40,11 @@ def add(commands) -> None:
 
 def run(options) -> int:
     """Write the files, print their names and return 0."""
-    from simcore.export.export import export
+    from simcore.export.export import export, known_suffix
     from simcore.packing.file import read_packing
 
     voxel = length("--voxel", options.voxel)
+    known_suffix(options.output)
     check_writable(options.output, options.packing)
     packing = read_packing(options.packing)
     for path in export(packing, options.output, options.periodic, voxel, options.divisions):

@@ -20,6 +20,14 @@ OF_NETWORKS = {".graphml": write_graphml, ".csv": write_edges}
 SUFFIXES = (*OF_SURFACES, *OF_NETWORKS, *OF_VOXELS)
 
 
+def known_suffix(path) -> str:
+    """Return the suffix of a path in lower case. ValueError if it is not one of SUFFIXES."""
+    suffix = Path(path).suffix
+    if suffix.lower() not in SUFFIXES:
+        raise ValueError(f"{path}: the suffix {suffix!r} is unknown; give one of {', '.join(SUFFIXES)}")
+    return suffix.lower()
+
+
 def export(packing, path, periodic=None, voxel=None, divisions=None) -> list[Path]:
     """Write a packing to `path` and return the paths of the written files.
 
@@ -29,9 +37,7 @@ def export(packing, path, periodic=None, voxel=None, divisions=None) -> list[Pat
     the packing does not use, an empty packing, or a library that is not installed.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise ValueError(f"{path}: the suffix {path.suffix!r} is unknown; give one of {', '.join(SUFFIXES)}")
+    suffix = known_suffix(path)
     if not packing.sizes["grain"]:
         raise ValueError("export: the packing contains no grain; check its amount and its log")
     if periodic is not None and periodic not in PERIODIC:

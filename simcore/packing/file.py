@@ -134,6 +134,17 @@ def read_packing(path) -> xr.Dataset:
     return packing.rename({old: new for old, new in RENAMED.items() if old in packing})
 
 
+def takes_paths(function):
+    """Return a function of a packing that takes the path of a packing's file instead, too."""
+
+    @functools.wraps(function)
+    def of_packing(packing, *arguments, **options):
+        packing = packing if isinstance(packing, xr.Dataset) else read_packing(packing)
+        return function(packing, *arguments, **options)
+
+    return of_packing
+
+
 def _is_in_use(path):
     """Return whether another process has locked the file, as the HDF5 library does while it writes."""
     try:

@@ -32,8 +32,15 @@ def test_each_shown_line_must_be_printed_in_its_order(shown, share, missing):
         ("B − A  +0.020          +0.01 to +0.02  3 pairs", 0.1, False),
     ],
 )
-def test_errors_and_intervals_of_packings_are_not_compared(shown, share, same):
+def test_errors_and_intervals_of_differences_are_not_compared(shown, share, same):
     assert (difference(shown, "B − A  +0.020 ± 0.002  +0.01 to +0.02  3 pairs\n", share) is None) == same
+
+
+@pytest.mark.parametrize(
+    "shown, same", [("n 0.350 ± 0.004", True), ("n 0.350 ± 0.007", False), ("n 0.350 ± 0.0005", False)]
+)
+def test_errors_of_packings_may_differ_by_a_factor_of_three(shown, same):
+    assert (difference(shown, "n 0.351 ± 0.002\n", 0.1) is None) == same
 
 
 def test_a_mark_belongs_to_the_next_block_only():

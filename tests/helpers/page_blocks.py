@@ -7,8 +7,9 @@
 
 A table whose first line is such a comment, in a ```csv block, is written without that line. A comment before a block
 changes what happens: `<!-- test: fails -->`, the command must fail; `<!-- test: within 10 % -->`, before shown text:
-numbers may differ by this share, since packings differ between processors, and their errors (after ±) and the intervals
-of differences are not compared; `<!-- test: dry run -->`, Snakemake only plans; `<!-- test: not run, REASON -->`.
+numbers may differ by this share, since packings differ between processors, and their errors (after ±) by a factor of
+three; errors and intervals of differences over seeds are not compared; `<!-- test: dry run -->`, Snakemake only plans;
+`<!-- test: not run, REASON -->`.
 """
 
 import contextlib
@@ -26,8 +27,9 @@ _FENCE = re.compile(r"```(\w*)$")
 _MARK = re.compile(r"<!-- test: (.*) -->$")
 _FILE = re.compile(r"# ([\w/]+\.(?:yaml|py|csv))$")
 _NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
-# What few packings know only within a factor: an error, and an interval with signs, "−0.01 to +0.03"
-_SCATTER = re.compile(r"± ?\d+(?:\.\d+)?|[+−]\d+(?:\.\d+)? to [+−]\d+(?:\.\d+)?")
+_ERROR = re.compile(r"± ?(\d+(?:\.\d+)?)")
+# The interval of a difference, "−0.01 to +0.03", which few packings know only within a factor
+_INTERVAL = re.compile(r"[+−]\d+(?:\.\d+)? to [+−]\d+(?:\.\d+)?")
 
 
 class Block(NamedTuple):
@@ -72,7 +74,12 @@ def difference(shown, printed, share=0.0):
 def _same(line, other, share):
     if share == 0.0:
         return line.rstrip() == other.rstrip()
-    line, other = (_SCATTER.sub("scatter", text) for text in (line, other))
+    errors, other_errors = ([float(n) for n in _ERROR.findall(text)] for text in (line, other))
+    if not _INTERVAL.search(line) and not all(
+        a <= 3.0 * b and b <= 3.0 * a for a, b in zip(errors, other_errors, strict=False)
+    ):
+        return False
+    line, other = (_INTERVAL.sub("interval", _ERROR.sub("error", text)) for text in (line, other))
     ours, theirs = ([float(n.replace("−", "-")) for n in _NUMBER.findall(text)] for text in (line, other))
     words, other_words = (_NUMBER.sub("#", text).split() for text in (line, other))
     close = all(abs(a - b) <= share * max(abs(a), abs(b)) for a, b in zip(ours, theirs, strict=False))

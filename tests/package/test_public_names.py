@@ -8,6 +8,7 @@ import pytest
 
 import simcore
 from simcore.paths import ROOT
+from tests.helpers.packings import make_packing, sphere_lattice
 
 
 def test_every_public_name_is_there_and_documented():
@@ -42,3 +43,13 @@ def test_ten_lines_of_the_readme_pack_spheres_and_print_their_coordination_numbe
 def test_a_specification_of_another_type_is_refused():
     with pytest.raises(ValueError, match="the specification is of type list; give a nested dict, or the path"):
         simcore.pack([])
+
+
+@pytest.mark.parametrize("function", ["porosity", "porosity_profile", "fabric", "coordination_number"])
+def test_what_evaluates_a_packing_takes_its_path_too(tmp_path, function):
+    centres, width = sphere_lattice("bcc", 4, 12)
+    bed = make_packing(1e-2 * centres, 5e-3, width=1e-2 * width)
+    simcore.write_packing(tmp_path / "bed.nc", bed)
+    assert getattr(simcore, function)(tmp_path / "bed.nc").identical(getattr(simcore, function)(bed))
+    with pytest.raises(ValueError, match="absent.nc: there is no such file"):
+        getattr(simcore, function)("absent.nc")
