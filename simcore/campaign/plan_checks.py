@@ -110,7 +110,7 @@ def check_beds(packings, cut=None):
             # The mass of a number of grains is not known well before they are drawn.
             known = 1.0 if specification["amount"]["mass"] is not None else LEAST_MASS
             check_height(domain, known * density * grains.total, density)
-            check_height_of_bed(domain, grains, known * density, specification["generation"]["fill"])
+            check_height_of_bed(domain, grains, known * density, specification["generation"])
             check_bed(domain, with_last_batch(grains, specification), density, campaign_cut(cut, domain.periodic))
         except ValueError as error:
             raise ValueError(

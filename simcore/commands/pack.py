@@ -54,10 +54,11 @@ def _pack_on(ranks, options):
     from simcore.packing.process import pack
 
     started = time.monotonic()
-    if options.log is not None:
-        ranks.on_first(lambda: _check_log(options))
-    report = reporter(options.log) if ranks.rank == 0 else _ignore_line
+    report = reporter(None) if ranks.rank == 0 else _ignore_line
     try:
+        if options.log is not None:
+            ranks.on_first(lambda: _check_log(options))
+            report = reporter(options.log) if ranks.rank == 0 else report
         specification, setup, keeper, warned = _prepare(ranks, options, report)
     except (ValueError, OSError) as error:
         report(f"scree pack: {error}")

@@ -1,6 +1,7 @@
 """From a scene to its time step: the parts of the step, the force laws and the limits of the time step."""
 
 import functools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -9,7 +10,7 @@ from simcore.dem.forces.spring_dashpot import ContactLaw, contact_law, implicit_
 from simcore.dem.forces.viscous_friction import CAPPED, NONE, VISCOUS
 from simcore.dem.stability import longest_stable_step, minimum_steps_per_contact_time
 from simcore.dem.state.features import Features
-from simcore.scene.quantity import rounded_down
+from simcore.scene.quantity import rounded_down, rounded_up
 from simcore.scene.scene import SPRUNG, Scene
 from simcore.scene.shapes import ELLIPSOID, MIXED, POLYHEDRON
 
@@ -44,7 +45,7 @@ def compose(scene: Scene) -> Composition:
         least_steps=_least_steps(scene, continuous),
         stiffness_factor=_stiffness_factor(law, continuous.stiffness) if hertz else None,
     )
-    _check_steps(scene, composition.least_steps)
+    _check_steps(scene, composition)
     return composition
 
 
@@ -89,8 +90,18 @@ def _laws(scene: Scene) -> tuple[ContactLaw | HertzLaw, ContactLaw]:
 def _least_steps(scene: Scene, law: ContactLaw) -> float:
     """Return the minimum steps per contact time of a grain pinched between two others. law: the continuous one."""
     if scene.hertzian is None:
-        return minimum_steps_per_contact_time(law, scene.implicit)
-    return scene.numerics.contact_time / longest_stable_step(law, False)
+        steps = minimum_steps_per_contact_time(law, scene.implicit)
+    else:
+        steps = scene.numerics.contact_time / longest_stable_step(law, False)
+    return max(steps, _sliding_steps(scene, law))
+
+
+def _sliding_steps(scene, law):
+    """Return the minimum steps per contact time of a sphere that turns between two others, against their friction.
+
+    Its moment of inertia is 2/5 m r², so that two contacts slow its rotation down at five times the rate of sliding.
+    """
+    return 0.5 * 5.0 * law.sliding * scene.numerics.contact_time
 
 
 def _stiffness_factor(law: HertzLaw, unit: float) -> Callable:
@@ -98,9 +109,18 @@ def _stiffness_factor(law: HertzLaw, unit: float) -> Callable:
     return lambda mass, partner, overlap: linear_law(law, mass, partner, overlap).stiffness / unit
 
 
-def _check_steps(scene: Scene, needed: float):
-    """Raise ValueError if the scene has fewer steps per contact time than needed."""
-    steps, dashpot = scene.numerics.steps_per_contact_time, scene.numerics.dashpot
+def _check_steps(scene: Scene, composition: Composition):
+    """Raise ValueError if the scene has fewer steps per contact time than its least_steps."""
+    steps, dashpot, needed = scene.numerics.steps_per_contact_time, scene.numerics.dashpot, composition.least_steps
+    sliding = _sliding_steps(scene, composition.continuous_law)
+    if steps < sliding:
+        now = scene.material.sliding_time
+        raise ValueError(
+            f"material.sliding_time: {now:g} s is too short for {steps:g} steps per contact time, because the friction "
+            f"would reverse the rotation of a grain between two others within a step. Give at least "
+            f"{rounded_up(now * sliding / steps):g} s, or raise numerics.steps_per_contact_time to at least "
+            f"{math.ceil(sliding)}."
+        )
     if steps < needed:
         raise ValueError(
             f"numerics.steps_per_contact_time: {steps:g} is unstable for a grain pinched between two others. At "

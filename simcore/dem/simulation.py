@@ -277,7 +277,7 @@ class Simulation:
                 "cylinder_radius."
             )
         contacts = self.contacts
-        radius = np.where(contacts.body < 0, np.inf, bodies.radius[contacts.body]).min(axis=1)
+        radius = np.where(contacts.body < 0, np.inf, bodies.radius[np.maximum(contacts.body, 0)]).min(axis=1)
         deep = np.flatnonzero(contacts.overlap > DEEPEST * radius)
         if len(deep):
             a, b = contacts.body[deep[0]]

@@ -56,7 +56,7 @@ class FramesKeeper(Keeper):
         return latest
 
     def keep(self, state, parts):
-        """Write a frame if one is due, and let the inner keeper store the state if it wants to."""
+        """Write a frame if one is due, let the inner keeper store the state if it wants to, and return whether it did."""
         # Only the keeper of one rank may want a checkpoint, but all ranks must agree on it.
         checkpoint = max(self.ranks.all([self.wished])) > 0
         parts = list(parts)
@@ -69,8 +69,7 @@ class FramesKeeper(Keeper):
                 except OSError as error:  # a packing is worth more than its frames
                     self.failed = True
                     self.report(f"{self.setup.scene.name}: a frame cannot be written ({error}); there will be no more")
-        if checkpoint:
-            self.keeper.keep(state, iter(parts))
+        return self.keeper.keep(state, iter(parts)) if checkpoint else False
 
     def _after(self, time):
         """Return the next multiple of the interval [s]."""

@@ -225,6 +225,8 @@ def _filled_batches(scene, pour):
     while done < pour.grains:
         bed = pour.solid(done) / (SOLID_FRACTION * domain.area) if done else 0.0
         available = domain.height - bed - generation.drop_height
+        if done and available < ends:  # `pack` reports that the domain is too low, or fits the rest in
+            return inserted + [pour.grains], waits + [0]
         needed = ends + (whole - pour.solid(done)) / density
         zone = max(min(needed, available), ends)
         count = pour.grains - done

@@ -128,11 +128,19 @@ def backing(scene: Scene) -> float:
     return float(deepest / relative_depth(law))
 
 
-def _will_fail(expected) -> str:
+def _will_fail(scene, expected) -> str:
     """Return a sentence on an impact at which a packing stops with an error, or ""."""
-    if expected.impact_depth <= expected.half_thickness:
+    if expected.impact_depth * backing(scene) <= expected.half_thickness:
         return ""
     return "A packing stops with an error if such an impact is deeper than half of a grain's thickness. "
+
+
+def _slower(scene):
+    """Return a clause on the settings that make grains arrive more slowly; the larger part of their energy decides."""
+    thrown = scene.generation.velocity_z
+    if thrown**2 > 2.0 * scene.material.effective_gravity * scene.domain.height:
+        return f"grains are inserted more slowly: raise generation.velocity_z, which is {thrown:g} m/s, towards 0"
+    return "grains fall less far: lower domain.height or generation.drop_height"
 
 
 def warnings(scene: Scene, expected: Expectation) -> list[str]:
@@ -151,9 +159,9 @@ def warnings(scene: Scene, expected: Expectation) -> list[str]:
         lines.append(
             f"A grain that falls through the domain arrives at {expected.fall_speed:.2g} m/s and overlaps another by "
             f"{expected.impact_depth * 1e3:.2g} mm, while the thinnest grain is "
-            f"{2e3 * expected.half_thickness:.2g} mm thick. {_will_fail(expected)}"
+            f"{2e3 * expected.half_thickness:.2g} mm thick. {_will_fail(scene, expected)}"
             f"{stiffening_advice(scene, DEEP_IMPACT * expected.half_thickness / expected.impact_depth)} "
-            f"Impacts also become shallower if grains fall less far: lower domain.height or generation.drop_height."
+            f"Impacts also become shallower if {_slower(scene)}."
         )
     width = scene.domain.width
     if expected.longest > width:

@@ -79,7 +79,8 @@ def _pour(setup: Setup, volumes) -> Pour:
     generation = setup.scene.generation
     height = 2.0 * extents(setup.bases, drawn, generation.orientation == "random")[1].mean()
     reach = extents(setup.bases, drawn, True)[0]
-    return Pour(len(volumes), lambda n: float(volumes[:n].sum()), height, reach)
+    up_to = np.concatenate([[0.0], np.cumsum(volumes)])
+    return Pour(len(volumes), lambda n: float(up_to[n]), height, reach)
 
 
 def explain(setup: Setup) -> str:

@@ -80,6 +80,7 @@ def packing_dataset(
         "max_speed": observed.max_speed,
         "unbalanced_force": observed.unbalanced_force,
         "kinetic_energy": observed.kinetic_energy,
+        "mean_overlap_in_diameters": packed.mean_overlap,
         **_stability_attributes(packed.stability),
         **attributes,
     }

@@ -15,6 +15,7 @@ from simcore.evaluation.interval import end_cuts, median_size, slice_height
 from simcore.grains.sampling import GrainSample, sample_sizes
 from simcore.grains.sieve import SieveCurve
 from simcore.packing.cost import estimate, typical_pour
+from simcore.packing.insertion.random_placement import DILUTE
 from simcore.scene.domain import Domain
 from simcore.scene.height import in_mm
 from simcore.scene.scene import GRAINS
@@ -223,32 +224,50 @@ def bed_warnings(domain: Domain, grains: Grains, density: float, cut=None) -> li
     return []
 
 
-def height_warnings(domain: Domain, grains: Grains, density: float, fill: str = "bed") -> list[str]:
+def height_warnings(domain: Domain, grains: Grains, density: float, generation: dict) -> list[str]:
     """Return a warning if the bed will probably be higher than the domain allows.
 
-    density [kg/m³]: of the grains. fill: how they are inserted, `generation.fill`.
+    density [kg/m³]: of the grains. generation: how they are inserted, with the keys of the group of a specification.
     """
-    limit = domain.height if fill == "bed" else R22_HIGHEST * domain.height
     height = grains.total / (expected_solid_fraction(grains.sieve_size, grains.share) * domain.area)
-    return [_too_high(domain, grains, density, height, limit)] if height > limit else []
+    room = _room(domain, grains, generation)
+    return [_too_high(domain, grains, density, height, generation)] if height + room > domain.height else []
 
 
-def check_height_of_bed(domain: Domain, grains: Grains, density: float, fill: str = "bed") -> None:
+def check_height_of_bed(domain: Domain, grains: Grains, density: float, generation: dict) -> None:
     """Raise ValueError if even the densest expected bed is higher than the domain allows; as in `height_warnings`."""
-    limit = domain.height if fill == "bed" else R22_HIGHEST * domain.height
     densest = expected_solid_fraction(grains.sieve_size, grains.share) + SOLID_RANGE
-    height = grains.total / (densest * domain.area)
-    if height > limit:
-        raise ValueError(_too_high(domain, grains, density, height, limit))
+    height, room = grains.total / (densest * domain.area), _room(domain, grains, generation)
+    if height + room > domain.height:
+        raise ValueError(_too_high(domain, grains, density, height, generation))
 
 
-def _too_high(domain, grains, density, height, limit):
-    """Return what is wrong with a bed of this height [m] above the limit, and the remedy."""
-    why = "" if limit == domain.height else f", and insertion at the r22 heights ends at about {in_mm(limit)} mm"
+def _room(domain, grains, generation):
+    """Return the height [m] that must remain above the bed, so that the last batch can be inserted."""
+    if generation["fill"] == "r22":
+        return (1.0 - R22_HIGHEST) * domain.height
+    clearance = generation["drop_height"] or 0.0
+    if generation["placement"] == "lattice":  # a layer is inserted as long as it begins below the top of the domain
+        return max(clearance - grains.largest, 0.0)
+    if generation["placement"] == "filled":
+        return clearance + grains.largest
+    number = grains.share / grains.volume
+    mean_square = (number @ grains.sieve_size**2) / number.sum()
+    batch = generation["batch_grains"] or domain.area / mean_square
+    return clearance + grains.largest + batch / (number.sum() * DILUTE * domain.area)
+
+
+def _too_high(domain, grains, density, height, generation):
+    """Return what is wrong with a bed of this height [m], and the remedy."""
+    room = _room(domain, grains, generation)
+    needed = 1.2 * height / R22_HIGHEST if generation["fill"] == "r22" else 1.2 * height + room
+    lower = f"amount (now {density * grains.total:.3g} kg)"
+    if generation["fill"] == "bed" and room > height and generation["drop_height"]:
+        lower = f"generation.drop_height (now {in_mm(generation['drop_height'])} mm)"
+    why = "" if room == 0.0 else f", of which insertion needs {in_mm(room)} mm above the bed"
     return (
         f"domain.height: The bed will be about {in_mm(height)} mm high, in a domain of {in_mm(domain.height)} mm{why}; "
-        f"raise domain.height to at least {in_mm(1.2 * height * domain.height / limit)} mm, or lower amount (now "
-        f"{density * grains.total:.3g} kg)."
+        f"raise domain.height to at least {in_mm(needed)} mm, or lower {lower}."
     )
 
 

@@ -12,6 +12,7 @@ from simcore.packing.forecast import (
     grains_of,
     height_warnings,
 )
+from simcore.packing.softness import expected_warnings
 from simcore.scene.height import in_mm
 from simcore.scene.setup import Setup
 
@@ -66,7 +67,8 @@ def setup_warnings(setup: Setup, sample=None, low_bed: bool = True) -> list[str]
     scene = setup.scene
     density = scene.material.density
     lines = bed_warnings(scene.domain, grains, density) if low_bed else []
-    lines += height_warnings(scene.domain, grains, density, scene.generation.fill)
+    lines += height_warnings(scene.domain, grains, density, vars(scene.generation))
+    lines += expected_warnings(scene, grains)
     return [*lines, *setup.notes, *_class_warnings(setup, grains)]
 
 
@@ -76,7 +78,7 @@ def check_setup(setup: Setup, sample=None) -> None:
     sample: all grains of the packing, if they have been drawn already.
     """
     grains, scene = grains_of(setup, sample), setup.scene
-    check_height_of_bed(scene.domain, grains, scene.material.density, scene.generation.fill)
+    check_height_of_bed(scene.domain, grains, scene.material.density, vars(scene.generation))
     try:
         check_bed(scene.domain, grains, scene.material.density)
     except ValueError as error:

@@ -13,5 +13,9 @@ class Keeper:
         """Return (state, sections) to resume from, or None. sections(): iterates over the parts of all bodies."""
         return None
 
-    def keep(self, state: dict, parts) -> None:
-        """Store the state, a dict that JSON can store, and the parts, which arrive one after the other on rank 0."""
+    def keep(self, state: dict, parts) -> bool:
+        """Store the state, a dict that JSON can store, and the parts, which arrive one after the other on rank 0.
+
+        Return whether the packing can be resumed from this state; only the value on rank 0 counts.
+        """
+        return False

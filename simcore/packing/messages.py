@@ -54,10 +54,12 @@ def describe_tolerated(scene, watch_state) -> list[str]:
     lines = []
     if watch_state.warned_of_steps:
         steps = scene.numerics.steps_per_contact_time
-        lines.append(
-            f"At the stiffest moment {about_stiffest(watch_state)}; the packing had {steps:g}. It came to rest all the "
-            f"same, so that it is valid."
+        effect = (
+            "It came to rest all the same, so that it is valid."
+            if scene.convergence.rule == "still"
+            else "The rule settled does not notice whether grains vibrate: compare it with a packing of more steps."
         )
+        lines.append(f"At the stiffest moment {about_stiffest(watch_state)}; the packing had {steps:g}. {effect}")
     if watch_state.warned_of_pinching:
         lines.append(
             f"While grains fell, a grain at least {PINCHING:g} times lighter than the heaviest one overlapped another "
@@ -89,8 +91,12 @@ def pinching_warning(scene, problem: DeepOverlap, step) -> str:
     )
 
 
-def no_space(scene, inserted, top, largest) -> str:
-    """Return the message that no batch can follow. top: height of the highest grain; largest: largest diameter [m]."""
+def no_space(scene, inserted, top, bed_top, needed, largest) -> str:
+    """Return the message that no batch can follow.
+
+    top, bed_top [m]: heights of the highest grain and of the highest one that touches another. needed [m]: height that
+    a batch needs above the bed. largest [m]: largest diameter.
+    """
     height = scene.domain.height
     begin = f"{scene.name}: after {inserted} grains "
     # Grains are inserted below the top of the domain, so that one far above it was thrown there.
@@ -101,9 +107,16 @@ def no_space(scene, inserted, top, largest) -> str:
             f"{steps_advice(scene)}"
         )
     return begin + (
-        f"the bed reaches {in_mm(top)} mm and leaves no space for another batch below domain.height = "
-        f"{in_mm(height)} mm. Make the domain higher or wider, or reduce amount"
+        f"the bed reaches {in_mm(bed_top)} mm, and a batch needs {in_mm(needed)} mm above it, but domain.height is "
+        f"{in_mm(height)} mm. Make the domain higher or wider, or reduce {_smaller(scene.generation)}"
     )
+
+
+def _smaller(generation):
+    """Return the keys whose smaller values need less space for insertion, in words."""
+    if generation.placement == "random":
+        return "amount, generation.batch_grains or generation.drop_height"
+    return "amount" if generation.fill == "r22" else "amount or generation.drop_height"
 
 
 @singledispatch
@@ -137,7 +150,8 @@ def _(problem: DeepImpact, scene, step, watch_state):
     return (
         f"{scene.name}: grain {problem.grain} moves at {problem.speed:.3g} m/s at step {step} and would overlap "
         f"what it hits by {problem.depth * 1e3:.3g} mm, more than half of the grain's thickness. "
-        f"{stiffening_advice(scene)} Impacts then become shallower, and also if grains fall less far"
+        f"{stiffening_advice(scene)} Impacts then become shallower, and also if grains fall less far or are inserted "
+        f"more slowly"
     )
 
 

@@ -40,6 +40,7 @@ class Packed(NamedTuple):
     last_insertion: float  # [s], simulated
     checks: list  # (time [s], phase, Observation) at every convergence interval
     stability: Stability | None = None
+    mean_overlap: float = 0.0  # of the contacts between grains, in diameters, see simcore.packing.softness
     warnings: tuple = ()  # sentences on what may be wrong with the packing
 
     @property

@@ -21,6 +21,7 @@ from simcore.packing.observation import observe
 from simcore.packing.packed import DAMPING, GENERATING, SHAKING, Interrupted, Packed, PackingError
 from simcore.packing.progress import Progress
 from simcore.packing.rest import judge_settled, judge_still
+from simcore.packing.softness import mean_overlap, measured_warnings
 from simcore.packing.state import PackingState
 from simcore.packing.stepper import Stepper
 from simcore.packing.watch import Watch
@@ -112,9 +113,20 @@ class Process:
             return None
         bodies, candidates = assemble(parts, np.arange(state.inserted))
         last_insertion, end = state.last_insertion * self.dt, state.step * self.dt
+        overlap = mean_overlap(bodies, candidates.contacts, self.scene.material.density)
         sentences = (*warnings(self.scene, expected), *self.watch.warnings(state.watch))
+        sentences += (*measured_warnings(self.scene, overlap),)
         return Packed(
-            bodies, candidates, observation, state.step, end, last_insertion, state.checks, stability, sentences
+            bodies,
+            candidates,
+            observation,
+            state.step,
+            end,
+            last_insertion,
+            state.checks,
+            stability,
+            overlap,
+            sentences,
         )
 
     def expect(self):
@@ -194,8 +206,8 @@ class Process:
     # -- checkpoints ----------------------------------------------------------------------------------------
 
     def keep(self):
-        """Pass the state to the keeper; the state does not change."""
-        self.keeper.keep(self.state.to_header(), self.ranks.parts(self.bodies, self.candidates))
+        """Pass the state to the keeper, and return whether it is stored; the state does not change."""
+        return self.keeper.keep(self.state.to_header(), self.ranks.parts(self.bodies, self.candidates))
 
     def resume(self):
         """Restore the state of the keeper's latest checkpoint, if there is one."""
@@ -224,11 +236,14 @@ class Process:
             wish = max(wish, deferred)
             deferred = 0 if self.outputs_are_current else wish
             if wish and self.outputs_are_current:
-                self.keep()
+                stored = self.keep()
                 if wish == KEEP_AND_STOP:
+                    start = (
+                        "resume from there" if stored else "start from the last checkpoint, or anew if there is none"
+                    )
                     raise Interrupted(
                         f"{self.scene.name}: interrupted at step {state.step}, t = {state.step * self.dt:.3f} s, by "
-                        f"request. Run the same command again to resume from there"
+                        f"request. Run the same command again to {'resume from there' if stored else anew}"
                     )
         state.in_stretch = False
         observed = observe(self.bodies, self.candidates, self.ranks)

@@ -104,3 +104,9 @@ def rounded_down(value: float) -> float:
     """Return a positive number rounded down to two digits."""
     digit = 10.0 ** (math.floor(math.log10(value)) - 1)
     return math.floor(value / digit) * digit
+
+
+def rounded_up(value: float) -> float:
+    """Return a positive number rounded up to two digits."""
+    digit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.ceil(value / digit) * digit

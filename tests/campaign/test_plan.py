@@ -293,8 +293,8 @@ def test_a_name_that_the_workflow_cannot_have_is_refused(name, message):
 
 
 def test_an_error_of_one_packing_names_its_study():
-    fixes = {"shapes": {"kind": "ellipsoid", "choice": "form", "flatness": 0.05, "elongation": 0.5}}
-    with pytest.raises(ValueError, match="studies.mine, packing mine: shapes: flatness is 0.05"):
+    fixes = {"shapes": {"kind": "sphere"}, "numerics": {"steps_per_contact_time": 2}}
+    with pytest.raises(ValueError, match="studies.mine, packing mine: numerics.steps_per_contact_time: 2 is unstable"):
         plan_of(studies={"mine": {"fixes": fixes}})
 
 

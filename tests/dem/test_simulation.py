@@ -155,6 +155,12 @@ def test_bodies_that_overlap_or_lie_below_the_floor_are_refused():
         simcore.Simulation([BALL], [0], [(0.05, 0.0, 0.1)], cylinder_radius=0.04)
 
 
+def test_one_body_may_touch_the_cylinder():
+    ball = simcore.Simulation([simcore.sphere(5e-3)], [0], [(45.1e-3, 0.0, 0.1)], cylinder_radius=0.05, gravity=0.0)
+    assert ball.contacts.body.tolist() == [[0, -2]]
+    np.testing.assert_allclose(ball.contacts.overlap, 0.1e-3, rtol=1e-9)
+
+
 def test_the_defaults_are_those_of_a_packing():
     specification = resolve(specify_few_spheres())
     material = specification["material"]

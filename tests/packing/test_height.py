@@ -2,8 +2,9 @@
 
 import pytest
 
+from simcore.dem.from_scene import compose
 from simcore.grains.sources import load_grains
-from simcore.packing.expectation import expect
+from simcore.packing.expectation import expect, warnings
 from simcore.packing.forecast_text import check_setup, setup_warnings
 from simcore.scene.height import in_mm
 from simcore.scene.setup import set_up
@@ -61,3 +62,44 @@ def test_a_rare_long_grain_is_found():
 def test_shaking_that_the_time_steps_do_not_resolve_is_refused():
     with pytest.raises(ValueError, match="shaking.period: 0.0002 s are fewer than 20 time steps of"):
         set_up_spheres(100, accuracy="standard", shaking={"period": "0.2 ms"})
+
+
+@pytest.mark.parametrize("placement, room", [("filled", "8.1 mm"), ("random", "50 mm")])
+def test_insertion_needs_room_above_the_bed(placement, room):
+    """A bed of 1500 spheres is about 170 mm high; above it a batch needs a grain, or at random places a zone."""
+    setup = set_up_spheres(1500, generation={"placement": placement, "drop_height": "20 mm"})
+    needed = in_mm(0.02 + 1e-3 * float(room.split()[0]))
+    (line,) = [text for text in setup_warnings(setup) if text.startswith("domain.height")]
+    assert f"in a domain of 200 mm, of which insertion needs {needed} mm above the bed; raise domain.height" in line
+    raised = float(line.split("to at least ")[1].split(" mm")[0])
+    higher = {"domain": {"width": "60 mm", "height": f"{raised} mm"}}
+    setup = set_up_spheres(1500, generation={"placement": placement, "drop_height": "20 mm"}, **higher)
+    assert not any(text.startswith("domain.height") for text in setup_warnings(setup))
+
+
+def test_a_clearance_that_fills_the_domain_is_named():
+    with pytest.raises(
+        ValueError, match=r"insertion needs 492 mm above the bed; .* or lower generation.drop_height \(n"
+    ):
+        check_setup(set_up_spheres(300, generation={"drop_height": "0.5 m"}))
+
+
+def test_grains_that_are_inserted_fast_are_to_be_inserted_more_slowly():
+    for speed, advice in (("-5 m/s", "raise generation.velocity_z, which is -5 m/s"), ("0 m/s", "lower domain.height")):
+        setup = set_up_spheres(300, generation={"velocity_z": speed}, numerics={"contact_time": "20 ms"})
+        (line,) = [
+            text for text in warnings(setup.scene, expect(setup.scene, setup.bases, setup.draw)) if "falls" in text
+        ]
+        assert advice in line and "A packing stops with an error" in line
+
+
+def test_sliding_that_the_time_steps_do_not_resolve_is_refused():
+    changes = {"accuracy": "r22", "convergence": {"rule": "settled"}}
+    for time, fits in ((0.1, True), (0.01, False)):  # [ms]; a step is 0.005 ms, and 2.5 times it is the limit
+        material = {"friction_law": "dynamic", "sliding_time": f"{time} ms"}
+        if fits:
+            compose(set_up_spheres(300, material=material, **changes).scene)
+            continue
+        message = r"material.sliding_time: 1e-05 s is too short for 40 steps .* at least 1.3e-05 s, .* at least 50\."
+        with pytest.raises(ValueError, match=message):
+            compose(set_up_spheres(300, material=material, **changes).scene)

@@ -1,6 +1,7 @@
 """A run that goes wrong stops with one message that names the grain; a sound run is not stopped."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,9 +12,11 @@ from simcore.dem.shapes.polyhedra import unit_sphere
 from simcore.dem.stability import contact_load, stiffest_body
 from simcore.dem.state.bodies import make_bodies
 from simcore.packing.expectation import backing, depth_of_impact
+from simcore.packing.messages import describe_tolerated
 from simcore.packing.packed import DAMPING, SHAKING, PackingError
 from simcore.packing.process import Process, pack
 from simcore.packing.run_checks import deepest_overlap, half_thickness
+from simcore.packing.state import WatchState
 from tests.helpers.few_spheres import set_up_few_spheres
 
 
@@ -286,3 +289,11 @@ def test_an_impact_on_a_grain_that_lies_on_the_floor_goes_as_deep_as_expected(re
     alone = depth_of_impact(running.scene, 0.5, None)
     assert deepest == pytest.approx(backing(running.scene) * alone, rel=3e-3)
     assert deepest > 1.03 * alone
+
+
+@pytest.mark.parametrize("rule, effect", [("still", "so that it is valid"), ("settled", "compare it with a packing")])
+def test_a_tolerated_vibration_is_valid_only_if_grains_must_be_at_rest(rule, effect):
+    scene = set_up_few_spheres().scene
+    scene = replace(scene, convergence=replace(scene.convergence, rule=rule))
+    (line,) = describe_tolerated(scene, WatchState(needed=50.0, stiffest=3, contacts=4, warned_of_steps=True))
+    assert "grain 3 with 4 contacts alone needs 50.0 steps" in line and effect in line

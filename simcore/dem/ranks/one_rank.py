@@ -86,7 +86,7 @@ class OneRank:
         """Return a context in which an unexpected exception of one rank ends all ranks."""
         yield
 
-    def on_first(self, act, expected=OSError):
+    def on_first(self, act, expected=(ValueError, OSError)):
         """Call `act` on rank 0 and return its result there, None elsewhere; raise an `expected` error on all ranks."""
         result, failure = None, None
         if self.rank == 0:

@@ -46,23 +46,32 @@ class CheckpointKeeper(Keeper):
         path = self.ranks.all([latest and str(latest[1].path)])[0]
         if path is None:
             return None
-        header, sections = latest or read_checkpoint(path, self.key, self.code)
+        failure = None
+        try:
+            header, sections = latest or read_checkpoint(path, self.key, self.code)
+        except CheckpointError as error:  # a rank on another machine may not see the folder
+            failure = error
+        for failed in filter(None, self.ranks.all([failure])):
+            raise failed
         self.spent = header["cpu_seconds"]
         return header, lambda: sections
 
     def keep(self, state, parts):
-        """Write a checkpoint on rank 0; if this fails, report why and go on."""
+        """Write a checkpoint on rank 0, and return whether it is written; if not, report why and go on."""
         spent = self.cpu_seconds()
         parts = _with_beats(parts)
         if self.ranks.rank > 0:
             for _ in parts:
                 pass
-            return
+            return False
+        stored = True
         try:
             self.store.save({**state, "cpu_seconds": spent}, parts)
         except CheckpointError as error:
             self.report(str(error))
+            stored = False
         self.kept = time.monotonic()
+        return stored
 
     def stepped(self) -> None:
         """Ignore signals after the last step: the rest is short, and an interruption would only lose it."""

@@ -55,7 +55,7 @@ class Store:
         try:
             write_checkpoint(path, {**header, "key": self.key, "code": self.code}, sections)
         except CheckpointError as error:
-            raise CheckpointError(f"{error}; the run goes on without it") from error
+            raise CheckpointError(f"{error}; there is none of this step") from error
         self._good = [good for good in self._good if good != path][1 - KEPT :] + [path]
         if len(self._good) == KEPT:
             self._remove(other for other in self._files(SUFFIX) if other not in self._good)

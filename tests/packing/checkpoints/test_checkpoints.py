@@ -323,7 +323,7 @@ def test_a_full_disk_leaves_the_earlier_checkpoints_and_the_run(tmp_path, limit)
     assert done.returncode == 0, done.stderr
     (line,) = done.stdout.splitlines()
     assert f"{KEY}-3.checkpoint: the checkpoint could not be written (File too large)" in line
-    assert "Free space" in line and "the run goes on without it" in line
+    assert "Free space" in line and "there is none of this step" in line
     assert names(tmp_path, "") == [f"{KEY}-2.checkpoint", f"{KEY}-4.checkpoint"]
     with Store(tmp_path, KEY, CODE, pytest.fail) as store:
         (tmp_path / f"{KEY}-4.checkpoint").unlink()
@@ -337,7 +337,7 @@ def test_a_folder_that_cannot_be_is_said_at_the_start_and_one_that_goes_when_sav
     with Store(tmp_path / "gone", KEY, CODE, pytest.fail) as store:
         (tmp_path / "gone" / f"{KEY}.lock").unlink()
         (tmp_path / "gone").rmdir()
-        with pytest.raises(CheckpointError, match="No such file or directory.* the run goes on without it"):
+        with pytest.raises(CheckpointError, match="No such file or directory.* there is none of this step"):
             store.save({"step": 1}, a_state())
         assert store.latest() is None
         store.clear()

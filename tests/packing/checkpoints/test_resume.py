@@ -1,10 +1,13 @@
 """A packing that was saved, stopped and resumed ends in the same bits, wherever it was stopped."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
 
+from simcore.dem.ranks.one_rank import ONE_RANK
+from simcore.packing.checkpoints.keeper import CheckpointKeeper
 from simcore.packing.keeping import KEEP, KEEP_AND_STOP, Keeper
 from simcore.packing.packed import DAMPING, Interrupted, PackingError
 from simcore.packing.process import Process, pack
@@ -28,6 +31,7 @@ class Memory(Keeper):
         text = json.dumps(state, default=lambda value: value.item())
         self.kept = text, [{name: array.copy() for name, array in part.items()} for part in parts]
         self.times += 1
+        return True
 
     def latest(self):
         return self.kept and (json.loads(self.kept[0]), lambda: self.kept[1])
@@ -102,3 +106,13 @@ def test_a_longer_time_of_damping_goes_on_from_the_checkpoint_of_a_failed_packin
         pack(short.scene, short.bases, short.draw, keeper=keeper)
     assert keeper.times == 1
     assert_packed_alike(whole, pack(made.scene, made.bases, made.draw, keeper=keeper))
+
+
+def test_a_state_that_could_not_be_stored_is_not_promised(made, tmp_path):
+    lines, keeper = [], CheckpointKeeper(tmp_path / "kept", "key", "code", 600.0, print, ONE_RANK)
+    keeper.report = lines.append
+    shutil.rmtree(tmp_path / "kept")
+    keeper.stopped = True
+    with pytest.raises(Interrupted, match="again to start from the last checkpoint, or anew if there is none"):
+        pack(made.scene, made.bases, made.draw, keeper=keeper)
+    assert "No such file or directory" in lines[0] and lines[0].endswith("there is none of this step")
