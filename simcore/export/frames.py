@@ -56,7 +56,7 @@ class FramesKeeper(Keeper):
         return latest
 
     def keep(self, state, parts):
-        """Write a frame if one is due, let the inner keeper store the state if it wants to, and return whether it did."""
+        """Write a frame if one is due, and return whether the inner keeper, if it wants to, has stored the state."""
         # Only the keeper of one rank may want a checkpoint, but all ranks must agree on it.
         checkpoint = max(self.ranks.all([self.wished])) > 0
         parts = list(parts)

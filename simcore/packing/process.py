@@ -238,12 +238,10 @@ class Process:
             if wish and self.outputs_are_current:
                 stored = self.keep()
                 if wish == KEEP_AND_STOP:
-                    start = (
-                        "resume from there" if stored else "start from the last checkpoint, or anew if there is none"
-                    )
+                    start = "resume from there" if stored else "start from its last checkpoint, or anew without one"
                     raise Interrupted(
                         f"{self.scene.name}: interrupted at step {state.step}, t = {state.step * self.dt:.3f} s, by "
-                        f"request. Run the same command again to {'resume from there' if stored else anew}"
+                        f"request. Run the same command again to {start}"
                     )
         state.in_stretch = False
         observed = observe(self.bodies, self.candidates, self.ranks)

@@ -113,6 +113,6 @@ def test_a_state_that_could_not_be_stored_is_not_promised(made, tmp_path):
     keeper.report = lines.append
     shutil.rmtree(tmp_path / "kept")
     keeper.stopped = True
-    with pytest.raises(Interrupted, match="again to start from the last checkpoint, or anew if there is none"):
+    with pytest.raises(Interrupted, match="again to start from its last checkpoint, or anew without one"):
         pack(made.scene, made.bases, made.draw, keeper=keeper)
     assert "No such file or directory" in lines[0] and lines[0].endswith("there is none of this step")
