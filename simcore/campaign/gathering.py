@@ -6,7 +6,6 @@ that a campaign continues after its last row even if the packings' files are gon
 trends.csv has the trends of size, form and orientation over the height of each packing.
 """
 
-import json
 import logging
 from pathlib import Path
 
@@ -15,11 +14,12 @@ import xarray as xr
 
 from simcore.campaign.composition_columns import composition_columns
 from simcore.campaign.cost_table import r22_hours
+from simcore.campaign.evaluations import grain_set_of, how_it_differs
 from simcore.campaign.study_tables import tabulate
 from simcore.campaign.trend_tables import tabulate_trends
 from simcore.reference.columns import COMMITTED_NAMES
 from simcore.reference.named_tables import read_named_table
-from simcore.scene.identity import result_digest, same_result
+from simcore.scene.identity import result_digest
 
 log = logging.getLogger(__name__)
 
@@ -61,7 +61,7 @@ ORDER = {
     "accuracy": [*COLUMNS["accuracy"][0], "grains", "n", "cpu_s"],
     "form_mixture": [*COLUMNS["form_mixture"][0][:-1], *COLUMNS["form_mixture"][1], "seed", *RESULT],
 }
-LEDGER = ["study", "source", "packing", "settings", "cpu_s", "grain_steps", "code", "evaluation"]
+LEDGER = ["study", "source", "packing", "settings", "grain_set", "cpu_s", "grain_steps", "code", "evaluation"]
 # Tables whose rows also have the columns of simcore.campaign.composition_columns.
 COMPOSED = {
     "size_and_form", "lattice_beds", "form_by_size", "mixtures_wide",
@@ -91,19 +91,23 @@ def table_of(study):
     return next((table for start, table in TABLES.items() if study.startswith(start)), study)
 
 
-def check_gathered(folder, test_only, example):
-    """Raise ValueError if this campaign's rows must not be gathered. example: a configuration with a folder."""
+def check_gathered(folder, test_only):
+    """Raise ValueError if this campaign's rows must not be gathered."""
     if not folder:
-        raise ValueError(f"the rows of this campaign cannot be gathered: set `reference` to a folder, as in {example}")
+        raise ValueError(
+            "the rows of this campaign cannot be gathered: give a folder for them in its configuration, such as "
+            "`reference: my_rows`"
+        )
     if test_only:
         raise ValueError("the rows of this campaign are not gathered, since `test_only` is set")
 
 
-def finished(folder, study, packings):
+def finished(folder, study, packings, porosity=None):
     """Return the finished packings of a study: rows, their Datasets, and a table for `record` with columns of LEDGER.
 
     folder: of the Datasets, one `study`/`packing`.nc each, with the scene in its attributes. packings: dicts with row,
-    specification and cpu_h. A Dataset whose settings differ from the specification is left out, which is logged.
+    specification and cpu_h. porosity: as for how_it_differs. A Dataset whose settings, grains or evaluation differ is
+    left out, which is logged.
     """
     rows, datasets, made = [], [], []
     for packing in packings:
@@ -112,8 +116,8 @@ def finished(folder, study, packings):
         if not path.exists():
             continue
         dataset = xr.load_dataset(path)
-        if not same_result(packing["specification"], json.loads(dataset.attrs["scene"])):
-            log.info("%s is left out: it was packed with other settings than those of the campaign", path)
+        if differs := how_it_differs(dataset, packing["specification"], porosity):
+            log.info("%s is left out: it %s than the campaign has; make it again", path, differs)
             continue
         rows.append(packing["row"])
         datasets.append(dataset)
@@ -122,6 +126,7 @@ def finished(folder, study, packings):
             {
                 "packing": name,
                 "settings": result_digest(packing["specification"]),
+                "grain_set": grain_set_of(packing["specification"]),
                 "cpu_s": round(float(attrs["cpu_seconds"]), 1),
                 "grain_steps": int(attrs["n_grains"]) * int(attrs["steps"]),
                 "code": attrs["code_version"],
@@ -136,12 +141,15 @@ def not_gathered(folder, study, source, packings):
     """Return those packings (dicts as for `finished`) that have no row in the tables of `folder` yet."""
     ledger = _ledger(folder)
     ledger = ledger[(ledger.study == study) & (ledger.source == source)]
-    gathered = set(zip(ledger.packing, ledger.settings, strict=True))
-    return [
-        packing
-        for packing in packings
-        if (packing["row"]["packing"], result_digest(packing["specification"])) not in gathered
-    ]
+    # Rows of earlier versions do not state their set of grains.
+    sets = ledger.grain_set.astype(object).fillna("")
+    gathered = dict(zip(zip(ledger.packing, ledger.settings, strict=True), sets, strict=True))
+
+    def is_gathered(packing):
+        key = packing["row"]["packing"], result_digest(packing["specification"])
+        return key in gathered and gathered[key] in ("", grain_set_of(packing["specification"]))
+
+    return [packing for packing in packings if not is_gathered(packing)]
 
 
 def _ledger(folder):
@@ -149,7 +157,7 @@ def _ledger(folder):
     if not path.exists():
         return pd.DataFrame(columns=LEDGER)
     # Files of earlier versions lack columns.
-    return read_named_table(path, text=("settings", "code", "evaluation")).reindex(columns=LEDGER)
+    return read_named_table(path, text=("settings", "grain_set", "code", "evaluation")).reindex(columns=LEDGER)
 
 
 def rows_of(study, rows, evaluations, source):
@@ -173,13 +181,16 @@ def rows_of(study, rows, evaluations, source):
     return table[_order(name)]
 
 
-def check_source(folder, study, source):
-    """Raise ValueError if the rows of a study would replace those of other grains, of which the table has no column."""
+def check_source(folder, study, source, rows, more=()):
+    """Raise ValueError if the rows of a study would replace those of other grains, of which the table has no column.
+
+    rows: of the study, as from `rows_of`. more: sources of further rows of this table that are gathered now.
+    """
     name = table_of(study)
-    if "source" in COLUMNS.get(name, ([],))[0]:
+    if {"source", "grain_source"} & set(rows):
         return
     ledger = _ledger(folder)
-    others = sorted(set(ledger.source[ledger.study.map(table_of) == name].dropna()) - {source})
+    others = sorted({*ledger.source[ledger.study.map(table_of) == name].dropna(), *more} - {source})
     if others:
         raise ValueError(
             f"{Path(folder) / name}.csv has rows of grains from {', '.join(others)}, and no column for the source of "

@@ -163,13 +163,12 @@ class Plan:
 
     @functools.cached_property
     def has_default_grains(self):
-        """Whether the campaign has the default grains, and a study of `all` the default material."""
+        """Whether a packing of `all` has the default grains, and one the default material; spheres have no grains."""
         scene = resolve({"domain": {"width": "1 m", "height": "1 m"}, "amount": {"grains": 1}, "sizes": {"case": "U1"}})
         of_default = resolve({"studies": {}}, "config")["grains"]
-        specifications = self.in_report.specification
-        return self.campaign["grains"] == of_default and any(
-            specification["material"] == scene["material"] for specification in specifications
-        )
+        grains = [group for group in self.in_report.grains if group] or [self.campaign["grains"]]
+        materials = [specification["material"] for specification in self.in_report.specification]
+        return of_default in grains and scene["material"] in materials
 
     def studies_named(self, prefix):
         """Return the names of all studies that begin with a prefix."""

@@ -24,6 +24,9 @@ _DISTINGUISH = {
     "form_mixture": (("sizes", "case"), ("shapes", "flatness"), ("shapes", "elongation")),
 }
 
+# Keys in which the packings of a model may differ.
+_OF_FORM = (("seed",), ("shapes", "grain"), ("shapes", "flatness"), ("shapes", "elongation"))
+
 
 def check_names(studies) -> None:
     """Raise ValueError if the workflow cannot have a study of one of these names."""
@@ -77,10 +80,10 @@ def _rule_names():
 def check_shared_tables(packings) -> None:
     """Raise ValueError if packings that a shared table does not distinguish differ in another setting than the seed.
 
-    Studies whose packings share a committed table share a model too. packings: one row per packing, columns study,
-    packing, source and specification.
+    Studies whose packings share a committed table share a model too, so that they must not differ in more than the
+    form of their grains either. packings: one row per packing, columns study, packing, source and specification.
     """
-    first = {}
+    first, of_studies = {}, {}
     for row in packings.itertuples():
         keys = _DISTINGUISH.get(table_of(row.study))
         if keys is None:
@@ -95,6 +98,34 @@ def check_shared_tables(packings) -> None:
                 "one table and one model would contain both; rename one of these studies, for example to "
                 f"my_{row.study}"
             )
+        _check_model(row, of_studies)
+
+
+def _check_model(row, of_studies):
+    """Raise ValueError if a packing has other settings than one of another study with the same model.
+
+    of_studies: first packing of each sieve curve and kind of grain so far, with its settings; a new one is added.
+    """
+    specification = row.specification
+    kind = table_of(row.study), row.source, specification["sizes"]["case"], specification["shapes"]["kind"]
+    settings = without(deciding_result(specification), _OF_FORM)
+    other, its_settings = of_studies.setdefault(kind, (row.study, settings))
+    if row.study != other and (names := differing_keys(its_settings, settings)):
+        raise ValueError(
+            f"studies.{row.study}: its packings and those of studies.{other} are in one table and one model, but "
+            f"differ in {', '.join(names)}; rename one of these studies, for example to my_{row.study}"
+        )
+
+
+def height_option(study: str, specification: dict, cut) -> str:
+    """Return the option of `scree launch` with which the height of a bed is checked before it is packed.
+
+    cut: from the campaign's group `porosity`. Deposits are evaluated with cuts of their own and are not checked.
+    """
+    if study.startswith(deposits.PREFIX):
+        return "--force"
+    cut = campaign_cut(cut, Domain(**specification["domain"]).periodic)
+    return "" if cut is None else f"--cut {cut!r}"
 
 
 def check_beds(packings, cut=None):

@@ -53,6 +53,10 @@ def expand_study(name, study, config):
     """Return the rows of one study of `config`; see `expand`."""
     where, folder = f"studies.{name}", config["pathvars"]["results"]
     axes = [_axis(key, values, f"{where}.varies") for key, values in study["varies"].items() if values is not None]
+    check_values(study["fixes"], where=f"{where}.fixes")
+    for axis in axes:
+        for part in axis:
+            check_values(_lay_over({}, (part,), where), where=f"{where}.varies")
     axes += [_forms(study["forms"])] if study["forms"] else []
     common = express({"grains": config["grains"]}, "config")
     fixed = merge(with_presets(config["packing"]), common, with_presets(study["fixes"]))

@@ -7,6 +7,8 @@ import pandas as pd
 
 from simcore.reference.columns import FORM
 
+OWN_CURVE = "own"  # case of a sieve curve that a study gives by its classes
+
 
 def tabulate(study, rows, evaluations):
     """Return a DataFrame with one row per packing of a study.
@@ -28,7 +30,7 @@ def tabulate(study, rows, evaluations):
             {
                 "study": study,
                 "packing": row["packing"],
-                "case": scene["sizes"]["case"] or "own",
+                "case": scene["sizes"]["case"] or OWN_CURVE,
                 **row["varied"],
                 **({"grain": shapes["grain"]} if single else {}),
                 "kind": shapes["kind"],

@@ -13,6 +13,8 @@ import json
 import numpy as np
 import pandas as pd
 
+from simcore.campaign.study_tables import OWN_CURVE
+
 COLUMNS = [
     "study", "packing", "seed", "case", "kind", "quantity", "grains", "mean", "mean_std_error", "spearman_r", "p_value",
     "relative_change", "relative_change_std_error",
@@ -52,7 +54,7 @@ def tabulate_trends(study, rows, evaluations):
                     "study": study,
                     "packing": row["packing"],
                     "seed": scene["seed"],
-                    "case": scene["sizes"]["case"] or "own",
+                    "case": scene["sizes"]["case"] or OWN_CURVE,
                     "kind": scene["shapes"]["kind"],
                     "quantity": str(quantity),
                     "grains": int(count.sum()),

@@ -30,6 +30,7 @@ def add_launch_options(parser) -> None:
     parser.add_argument("--log", type=Path, help="as for pack")
     parser.add_argument("--frames", metavar="TIME", help="as for pack")
     parser.add_argument("--force", action="store_true", help="as for pack")
+    parser.add_argument("--cut", metavar="LENGTH", help="as for pack")
     parser.add_argument("--silence", default="10 min", help="longest time between heartbeats, else all is ended")
     parser.add_argument("--startup", default="30 min", help="longest time to the first heartbeat, after compiling")
     parser.add_argument("--grace", default="10 s", help="time between SIGTERM and SIGKILL when ending")

@@ -5,7 +5,7 @@ import os
 import time
 from pathlib import Path
 
-from simcore.commands.options import check_writable, duration, reporter
+from simcore.commands.options import check_writable, cut_length, duration, reporter
 
 INTERRUPTED = 75  # EX_TEMPFAIL: the same command resumes the packing
 INTERVAL = "10 min"  # wall-clock time between checkpoints
@@ -31,6 +31,7 @@ def add(commands) -> None:
         "--frames", metavar="TIME", help='write a series for ParaView, a frame every TIME of simulated time: "0.1 s"'
     )
     parser.add_argument("--force", action="store_true", help="also pack a bed that is too low to evaluate its porosity")
+    parser.add_argument("--cut", metavar="LENGTH", help='cut with which the height is checked: "8 mm"')
     parser.set_defaults(run=run)
 
 
@@ -120,7 +121,7 @@ def _prepare(ranks, options, report):
     interval = duration("--checkpoint-interval", options.checkpoint_interval or INTERVAL)
     read = (options.specification, *source_files(specification["grains"]))
     ranks.on_first(lambda: check_writable(options.output, *read))
-    setup, warned = prepare(specification, options.threads, options.force)
+    setup, warned = prepare(specification, options.threads, options.force, cut_length(options.cut))
     for text in warned:
         report(f"{setup.scene.name}: warning: {text}")
     key = packing_key(specification, setup) if options.checkpoints else ""

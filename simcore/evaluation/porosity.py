@@ -9,6 +9,7 @@ from simcore.evaluation.slicing import slab_volumes, vertical_extent
 from simcore.scene.domain import Domain
 
 CUT_OFF = 0.5  # porosity at the top of the bed (Rettinger et al. 2022)
+ROUNDING = 1e-9  # share of a slice by which the evaluated height may be lower than a slice because numbers are rounded
 ORIGIN = ("scene", "seed", "code_version", "converged", "domain_shape", "domain_width", "largest_sieve_size")
 
 
@@ -94,7 +95,7 @@ def evaluation_interval(packing, profile, cut=None):
     periodic = packing.attrs["domain_shape"] == "periodic"
     largest = largest_sieve_size(packing) if cut is None and periodic else np.nan
     at_floor, at_surface = interval.end_cuts(periodic, top, largest, _median_of(packing), cut)
-    if top - at_floor - at_surface < profile.attrs["slice_height"]:
+    if top - at_floor - at_surface < profile.attrs["slice_height"] * (1.0 - ROUNDING):
         raise ValueError(
             f"the bed is {1e3 * top:.1f} mm high, too low to cut {1e3 * at_floor:.1f} mm from its "
             f"floor and {1e3 * at_surface:.1f} mm from its surface; use more grains, a narrower domain, or set a "

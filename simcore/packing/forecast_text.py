@@ -57,30 +57,30 @@ def bed_lines(setup: Setup, sample) -> list[str]:
     ]
 
 
-def setup_warnings(setup: Setup, sample=None, low_bed: bool = True) -> list[str]:
+def setup_warnings(setup: Setup, sample=None, low_bed: bool = True, cut: float | None = None) -> list[str]:
     """Return a warning for each property of the grains and the bed that may make the result differ from the intention.
 
     sample: all grains of the packing, if they have been drawn already. low_bed: whether to warn if the bed is too low
-    to be evaluated, or to be evaluated with a small sampling error.
+    to be evaluated, or to be evaluated with a small sampling error. cut [m]: with which it will be evaluated.
     """
     grains = grains_of(setup, sample)
     scene = setup.scene
     density = scene.material.density
-    lines = bed_warnings(scene.domain, grains, density) if low_bed else []
+    lines = bed_warnings(scene.domain, grains, density, cut) if low_bed else []
     lines += height_warnings(scene.domain, grains, density, vars(scene.generation))
     lines += expected_warnings(scene, grains)
     return [*lines, *setup.notes, *_class_warnings(setup, grains)]
 
 
-def check_setup(setup: Setup, sample=None) -> None:
+def check_setup(setup: Setup, sample=None, cut: float | None = None) -> None:
     """Raise ValueError if the bed of a packing will be too high for the domain, or too low to be evaluated.
 
-    sample: all grains of the packing, if they have been drawn already.
+    sample: all grains of the packing, if they have been drawn already. cut [m]: with which it will be evaluated.
     """
     grains, scene = grains_of(setup, sample), setup.scene
     check_height_of_bed(scene.domain, grains, scene.material.density, vars(scene.generation))
     try:
-        check_bed(scene.domain, grains, scene.material.density)
+        check_bed(scene.domain, grains, scene.material.density, cut)
     except ValueError as error:
         raise ValueError(
             f"{error} To pack it anyway, and to evaluate it with a smaller `porosity --cut`, add --force."

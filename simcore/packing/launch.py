@@ -102,7 +102,7 @@ def launch_packing(options, program: list[str]) -> int:
         if not (times[name] > 0.0 or name == "grace" and times[name] == 0.0):
             raise ValueError(f"--{name}: '{getattr(options, name)}' is not a time above 0; give one such as '10 min'")
     command = [*program, "pack", str(options.specification), str(options.output), "--threads", str(options.threads)]
-    for name in ("checkpoints", "checkpoint_interval", "log", "frames"):
+    for name in ("checkpoints", "checkpoint_interval", "log", "frames", "cut"):
         if getattr(options, name) is not None:
             command += [f"--{name.replace('_', '-')}", str(getattr(options, name))]
     if options.force:

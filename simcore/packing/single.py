@@ -54,18 +54,19 @@ def pack(
     return dataset_of(packed, specification, setup, warned, threads=threads, ranks=1, cpu_seconds=cpu_time() - spent)
 
 
-def prepare(specification: dict, threads: int, force: bool) -> tuple[Setup, list[str]]:
+def prepare(specification: dict, threads: int, force: bool, cut: float | None = None) -> tuple[Setup, list[str]]:
     """Return the Setup of a resolved specification and warnings about it; ValueError if it cannot be packed.
 
-    threads: of this process, set here. force: also accept a bed that is too low for its porosity to be evaluated.
+    threads: of this process, set here. force: also accept a bed that is too low for its porosity to be evaluated. cut
+    [m]: with which it will be evaluated; None: that of `end_cuts`.
     """
     set_threads(threads)
     setup = set_up(specification, load_grains)
     compose(setup.scene)  # ValueError if its time step is too long for any bed
     sample = draw_batches(setup)[0] if last_batch_is_whole(setup.scene) else None
     if not force:
-        check_setup(setup, sample)
-    return setup, setup_warnings(setup, sample, low_bed=not force)
+        check_setup(setup, sample, cut)
+    return setup, setup_warnings(setup, sample, not force, cut)
 
 
 def dataset_of(packed, specification: dict, setup: Setup, warned: list[str], **run) -> xr.Dataset:

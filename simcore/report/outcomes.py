@@ -4,8 +4,9 @@ import numpy as np
 import pandas as pd
 from scipy.special import chdtrc  # scipy.stats has the same values but loads slowly
 
+from simcore.campaign.study_tables import OWN_CURVE
 from simcore.evaluation.rounding import rounded
-from simcore.reference.columns import find_column
+from simcore.reference.columns import find_column, setting_column
 from simcore.reference.columns.headings import find_heading
 from simcore.report.words import value_in_words
 
@@ -86,6 +87,7 @@ def _sweep(table, name):
     heading, sentences = find_heading(name), []
     alone = not table.duplicated([column for column in ("case", name) if column in table]).any()
     others = [] if alone else [column for column in varied_columns(table) if column not in ("case", name)]
+    several = "case" in table and table["case"].nunique() > 1
     for case, rows in table.groupby("case", sort=False) if "case" in table else [("", table)]:
         numbers = pd.to_numeric(rows[name], errors="coerce")
         rows = rows.assign(order=numbers.fillna(np.inf)).sort_values("order", kind="stable")
@@ -101,7 +103,8 @@ def _sweep(table, name):
             continue
         change, error = np.mean(changes), np.sqrt(np.sum(squares)) / len(changes)
         ends = " to ".join(_setting(value, name, heading) for value in (lowest, highest))
-        text = f"{case}: from" if case else "From"
+        named = case and (several or case != OWN_CURVE)
+        text = f"{value_in_words('case', case)}: from" if named else "From"
         text = f"{text} {ends} the porosity changes by {rounded(change, error, sign='+')}"
         if others:
             words = " and ".join(find_heading(column).words for column in others)
@@ -218,14 +221,18 @@ def _range(table):
 
 def _label(table, row):
     """Return the settings that differ between the rows of a table, as text."""
-    return ", ".join(named_setting(name, row[name]) for name in varied_columns(table) if pd.notna(row[name]))
+    return ", ".join(
+        named_setting(name, row[name]) if pd.notna(row[name]) else f"{find_heading(name).words} by default"
+        for name in varied_columns(table)
+        if pd.notna(row[name]) or table[name].nunique() == 1
+    )
 
 
 def named_setting(name, value):
     """Return the value of a column after its heading, a number in the unit of the heading."""
     heading = find_heading(name)
     if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
-        column = find_column("tables/study", name)
+        column = find_column("tables/study", name) or setting_column(name)
         unit = heading.unit if heading.unit is not None else column.unit if column else ""
         return f"{heading.words} {heading.factor * value:g} {unit}".rstrip()
     return f"{heading.words} {value_in_words(name, value)}"
@@ -234,7 +241,7 @@ def named_setting(name, value):
 def varied_columns(table):
     """Return the names of the columns before the results of a study's table that differ between its rows."""
     end = next((list(table).index(name) for name in ("runs", "n") if name in table), 0)
-    return [name for name in list(table)[:end] if name not in _NOT_VARIED and table[name].nunique() > 1]
+    return [name for name in list(table)[:end] if name not in _NOT_VARIED and table[name].nunique(dropna=False) > 1]
 
 
 def _published(table):

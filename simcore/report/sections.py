@@ -162,7 +162,7 @@ def committed_sections(folder, titles, biases, captions, questions, names=(ANSWE
         Section(names[0], answer(tables)),
         Section(names[1], how_sure(tables) if set(tables) & {"biases", *MODELS} else []),
         *(section for study, section in studies.items() if study in EVIDENCE),
-        Section(names[2], _model_parts(tables, figures, of_studies.values(), captions)),
+        Section(names[2], _model_parts(tables, figures, {*of_studies.values(), *OF_A_STUDY.values()}, captions)),
         Section(STUDIES_HEADING, [paragraph(STUDIES)] if set(studies) - set(EVIDENCE) else []),
         *(section for study, section in studies.items() if study not in EVIDENCE),
         Section(COST_HEADING, _cost_parts(tables, figures, captions)),

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from simcore.evaluation.rounding import error_decimals, rounded
 from simcore.grains.form import FORM_FACTORS
-from simcore.reference.columns import find_column
+from simcore.reference.columns import find_column, setting_column
 from simcore.reference.columns.headings import ERRORS, HEADINGS, find_heading
 from simcore.reference.named_tables import NAMES, read_named_table
 from simcore.reference.r22_tables import read_r22_table
@@ -187,7 +187,7 @@ def _is_text(values):
 
 
 def _column(rows, name, table, has_error, is_detail):
-    heading, column = find_heading(name), find_column(table, name)
+    heading, column = find_heading(name), find_column(table, name) or setting_column(name)
     unit = heading.unit if heading.unit is not None else column.unit if column else ""
     meaning = column.meaning if column else heading.words
     if has_error:

@@ -4,6 +4,7 @@ import re
 
 from markupsafe import Markup, escape
 
+from simcore.campaign.study_tables import OWN_CURVE
 from simcore.models.feature_words import feature_in_words
 
 SHAPE_KINDS = {
@@ -13,6 +14,7 @@ SHAPE_KINDS = {
     "mixed": "shapes of several kinds",
 }
 VALUES = {
+    "case": {OWN_CURVE: "given by the settings of the study"},
     "choice": {"random": "drawn from the measured grains", "form_distribution": "drawn from a distribution"},
     "fill": {"bed": "just above the bed", "r22": "as Rettinger et al."},
     "model": {

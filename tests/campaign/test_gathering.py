@@ -213,7 +213,7 @@ def test_a_source_of_any_name_is_found_in_the_ledger(tmp_path, source):
     planned = [{"row": {"packing": "1e3"}, "specification": specify(), "cpu_h": 1.0}]
     made = pd.DataFrame(
         {"packing": ["1e3"], "settings": result_digest(specify()), "cpu_s": 1.0, "grain_steps": 1, "code": "12e4567"}
-    ).assign(evaluation="0123456")
+    ).assign(evaluation="0123456", grain_set="")
     for _ in range(2):
         record(tmp_path, "t", "study", source, planned, made, command="c", machine="m")
         assert not_gathered(tmp_path, "study", source, planned) == []
@@ -235,16 +235,28 @@ def test_packings_that_the_columns_do_not_distinguish_are_refused(tmp_path):
 def test_rows_of_other_grains_do_not_replace_those_of_a_table_without_a_source(tmp_path):
     planned = [{"row": {"packing": "p"}, "specification": specify(), "cpu_h": 1.0}]
     made = pd.DataFrame(
-        {"packing": ["p"], "settings": "s", "cpu_s": 1.0, "grain_steps": 1, "code": "", "evaluation": ""}
+        {
+            "packing": ["p"],
+            "settings": "s",
+            "grain_set": "",
+            "cpu_s": 1.0,
+            "grain_steps": 1,
+            "code": "",
+            "evaluation": "",
+        }
     )
-    check_source(tmp_path, "form_mixtures", "scans")
+    rows, of_sources = pd.DataFrame(columns=["case", "seed", "n"]), pd.DataFrame(columns=["source", "case", "n"])
+    check_source(tmp_path, "form_mixtures", "scans", rows)
     for study in ("form_mixtures", "single_form"):
         record(tmp_path, table_of(study), study, "synthetic", planned, made, command="c", machine="m")
-        check_source(tmp_path, study, "synthetic")
-    check_source(tmp_path, "single_form", "scans")
-    check_source(tmp_path, "friction", "scans")
+        check_source(tmp_path, study, "synthetic", rows)
+    check_source(tmp_path, "single_form", "scans", of_sources)
+    check_source(tmp_path, "friction", "scans", rows)
     with pytest.raises(ValueError, match="form_mixture.csv has rows of grains from synthetic, and no column .* scans$"):
-        check_source(tmp_path, "form_mixtures_wide", "scans")
+        check_source(tmp_path, "form_mixtures_wide", "scans", rows)
+    check_source(tmp_path, "form_mixtures_wide", "scans", rows.assign(grain_source="scans"))
+    with pytest.raises(ValueError, match="friction.csv has rows of grains from rhine, and no column .* scans$"):
+        check_source(tmp_path, "friction", "scans", rows, more=["rhine"])
 
 
 def test_a_key_that_is_left_open_is_the_same_in_a_file(tmp_path):
@@ -257,7 +269,7 @@ def test_the_summary_remains_when_the_packings_are_deleted(tmp_path):
     plan = [{"row": {"packing": f"p{seed}"}, "specification": specify(seed), "cpu_h": 0.5} for seed in (1, 2, 3)]
 
     def made(*numbers):
-        rows = [(f"p{i}", result_digest(specify(i)), 360.0 * i, 10**9 * i, f"v{i}", "e") for i in numbers]
+        rows = [(f"p{i}", result_digest(specify(i)), "", 360.0 * i, 10**9 * i, f"v{i}", "e") for i in numbers]
         return pd.DataFrame(rows, columns=LEDGER[2:])
 
     record(tmp_path, "single_form", "single_form", "synthetic", plan, made(1), "a", "one")
@@ -284,10 +296,27 @@ def test_the_summary_remains_when_the_packings_are_deleted(tmp_path):
 
 def test_a_row_of_other_settings_is_no_row_of_a_packing(tmp_path):
     plan = [{"row": {"packing": "p"}, "specification": specify(1), "cpu_h": 0.5}]
-    made = pd.DataFrame([("p", result_digest(specify(2)), 9.0, 30_000, "v", "e")], columns=LEDGER[2:])
+    made = pd.DataFrame([("p", result_digest(specify(2)), "", 9.0, 30_000, "v", "e")], columns=LEDGER[2:])
     record(tmp_path, "single_form", "single_form", "synthetic", plan, made, "a", "one")
     assert not_gathered(tmp_path, "single_form", "synthetic", plan) == plan
     assert pd.read_csv(tmp_path / "collected.csv").packings[0] == 0
+
+
+def test_a_row_of_other_grains_of_the_same_name_is_no_row_of_a_packing(tmp_path):
+    """The folder of the grains has the same name, but the digest of their files in the name of the set differs."""
+
+    def plan(digest):
+        own = specify(choice="one", grain="a")
+        own["grains"]["source"] = f"results/mine/grains/gravel_{digest}/faces_100.nc"
+        return [{"row": {"packing": "p"}, "specification": own, "cpu_h": 0.5}]
+
+    old, new = plan("11111111"), plan("22222222")
+    settings = result_digest(old[0]["specification"])
+    assert settings == result_digest(new[0]["specification"])
+    made = pd.DataFrame([("p", settings, "gravel_11111111", 9.0, 30_000, "v", "e")], columns=LEDGER[2:])
+    record(tmp_path, "mine", "mine", "gravel", old, made, "a", "one")
+    assert not_gathered(tmp_path, "mine", "gravel", old) == []
+    assert not_gathered(tmp_path, "mine", "gravel", new) == new
 
 
 def test_a_campaign_keeps_the_entry_of_another_for_a_study(tmp_path):
@@ -295,7 +324,7 @@ def test_a_campaign_keeps_the_entry_of_another_for_a_study(tmp_path):
 
     def tell(seed, command, *made, source="synthetic"):
         plan = [{"row": {"packing": "p"}, "specification": specify(seed), "cpu_h": 0.5 * seed}]
-        rows = [("p", result_digest(specify(seed)), 9.0, 30_000, "v", "e")] if made else []
+        rows = [("p", result_digest(specify(seed)), "", 9.0, 30_000, "v", "e")] if made else []
         record(tmp_path, "t", "t", source, plan, pd.DataFrame(rows, columns=LEDGER[2:]), command, "one")
         return pd.read_csv(tmp_path / "collected.csv").set_index("source").loc[source]
 

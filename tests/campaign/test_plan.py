@@ -315,6 +315,10 @@ def test_studies_of_one_table_have_the_same_settings():
     message = r"single_form_rough: single_form/\S* and single_form_rough/\S* have .* differ in material.friction,"
     with pytest.raises(ValueError, match=message):
         check_shared_tables(plan_of(studies={"single_form": smooth, "single_form_rough": rough}).packings)
+    others = {**rough, "forms": ["synthetic_000001"]}
+    message = "studies.single_form_rough: its packings and those of studies.single_form are .* differ in material.frict"
+    with pytest.raises(ValueError, match=message):
+        check_shared_tables(plan_of(studies={"single_form": smooth, "single_form_rough": others}).packings)
     check_shared_tables(plan_of(studies={"single_form": smooth, "friction_single_form": rough}).packings)
     wide = {"varies": {"sizes.case": ["U5"]}, "forms": {"spread": 2}, "fixes": FEW}
     check_shared_tables(plan_of(studies={"single_form": smooth, "single_form_wide": wide}).packings)

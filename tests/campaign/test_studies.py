@@ -238,7 +238,7 @@ def test_each_key_has_a_column_of_its_own():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"varies": {"sizes.cas": ["U1"]}}, r"studies\.s\.sizes\.cas: unknown key; did you mean 'case'\?"),
+        ({"varies": {"sizes.cas": ["U1"]}}, r"studies\.s\.varies\.sizes\.cas: unknown key; did you mean 'case'\?"),
         ({"varies": {"sizes.case": "U1"}}, r"studies\.s\.varies\.sizes\.case: 'U1' is not a list"),
         ({"varies": {"sizes.case": ["U9"]}}, r"studies\.s, packing U9: sizes\.case: 'U9' is unknown; the cases are U1"),
         ({"varies": {"sizes.case": ["U1"], "seed": [1, 1]}}, r"studies\.s\.varies: the packing U1-seed_1 .* twice"),
@@ -250,7 +250,7 @@ def test_each_key_has_a_column_of_its_own():
         ),
         ({"varies": {"name": ["a", "b"]}}, r"studies\.s\.varies\.name: packings are named by what varies"),
         ({"packing": {"faces": "few"}}, r"studies\.s\.faces: 'few' is wrong"),
-        ({"fixes": {"domain": {"width": "3 kg", "height": "1 m"}}}, r"studies\.s\.domain\.width: '3 kg' is a mass"),
+        ({"fixes": {"domain": {"width": "3 kg", "height": "1 m"}}}, r"fixes\.domain\.width: '3 kg' is a mass"),
         ({"forms": {"spred": 6}}, r"studies\.s\.forms\.spred: unknown key; did you mean 'spread'\?"),
         ({"grains": {"source": "no/such/folder", "unit": "mm"}}, r"grains\.source: 'no/such/folder' does not exist"),
         ({"grains": {"source": "."}}, r"grains\.unit is missing"),

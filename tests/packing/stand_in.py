@@ -37,6 +37,7 @@ def main():
     packing.add_argument("--checkpoints", type=Path)
     packing.add_argument("--checkpoint-interval", default="600 s")
     packing.add_argument("--force", action="store_true")
+    packing.add_argument("--cut")
     options = parser.parse_args()
     try:
         if options.command == "launch":

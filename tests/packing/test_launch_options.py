@@ -19,7 +19,7 @@ def test_times_that_would_end_each_run_are_refused(tmp_path, capsys, option, val
     [
         [],
         ["--frames", "0.1 s"],
-        ["--checkpoints", "kept", "--checkpoint-interval", "1 s", "--log", "log.txt", "--force"],
+        ["--checkpoints", "kept", "--checkpoint-interval", "1 s", "--log", "log.txt", "--cut", "5 mm", "--force"],
     ],
 )
 def test_options_of_pack_are_passed_on(tmp_path, monkeypatch, options):

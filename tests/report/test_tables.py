@@ -20,6 +20,7 @@ NOT_SHOWN = {
     "command",
     "machine",
     "settings",
+    "grain_set",
     "with_term",
     "covariance",
     "hull_ratio",

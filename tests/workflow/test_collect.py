@@ -8,8 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 import yaml
 
+from simcore.campaign.evaluations import SETTINGS, settings_text
 from simcore.campaign.studies import expand, merge
 from simcore.evaluation.evaluate import evaluate
 from simcore.paths import REFERENCE, ROOT
@@ -119,10 +121,36 @@ def test_beds_of_other_settings_and_other_campaigns_are_left_out(campaign, workp
     (workplace.folder / "tests.yaml").write_text(f"test_only: true\n{CAMPAIGN}")
     for arguments, message in (
         (["--configfile", "tests.yaml"], "are not gathered, since `test_only` is set"),
-        ([], "cannot be gathered: set `reference` to a folder"),
+        ([], "cannot be gathered: give a folder for them"),
     ):
         status, said = workplace.run(*arguments, "--", "collect")
         assert status != 0 and message in said
+    status, said = workplace.run("--dry-run", "--", "near_spheres_left")
+    assert status != 0 and "near_spheres_left needs the rows that `collect` writes: give a folder for them" in said
+
+
+def test_evaluations_of_former_settings_are_no_rows_of_a_table(campaign):
+    """If only the times of files decide, Snakemake keeps packings whose settings have changed."""
+    for changed, text in (({"faces": 30}, "was packed with another value of faces"), ({}, "")):
+        campaign.add("heights", 2, **changed)
+        status, said = campaign.run("heights", "--rerun-triggers", "mtime")
+        log = (campaign.folder / "results/mine/logs/study_table/heights.log").read_text()
+        assert (status != 0, text in said + log) == (bool(text), True)
+    assert (campaign.folder / "results/mine/tables/heights.csv").exists()
+
+
+def test_evaluations_with_another_cut_are_not_gathered(campaign):
+    campaign.add("heights", 2)
+    for path in (campaign.folder / "results/mine/porosity/heights").iterdir():
+        bed = xr.load_dataset(path).assign_attrs({SETTINGS: settings_text({"slice_height": None, "cut": 0.005})})
+        bed.to_netcdf(path)
+    status, said = campaign.run()
+    assert status == 0 and "heights: 0 of 2 packings" in said
+    log = (campaign.folder / "results/mine/logs/collect.log").read_text()
+    assert "is left out: it was evaluated with another value of porosity.cut than the campaign has" in log
+    (campaign.folder / "cut.yaml").write_text("porosity: {cut: 5 mm}")
+    status, said = campaign.run("collect", "--configfile", "mine.yaml", "cut.yaml")
+    assert status == 0 and "heights: 2 of 2 packings" in said, said
 
 
 def test_a_dry_run_prints_packings_hours_and_pieces(workplace):

@@ -42,6 +42,9 @@ def test_one_rank_with_one_thread_where_nothing_is_said(planned):
         assert (asked(job)["tasks"], asked(job)["cpus_per_task"], asked(job)["mpi"]) == ("1", "1", "")
         assert "threads:" not in job
         assert "--ranks 1 --threads 1 --mpiexec= --checkpoints results/checkpoints/" in job
+        assert "--force" not in job and "--cut" not in job
+    for job in planned("--config", "porosity={cut: 5 mm}"):
+        assert "--cut 0.005 " in job
 
 
 def test_ranks_and_threads_of_the_config_are_accounted(planned):

@@ -158,6 +158,13 @@ def test_work_precision_is_a_target_of_its_own(workplace):
     assert not {study for _, study in everything} & (packed | {"accuracy"})
 
 
+def test_a_campaign_without_a_study_of_all_names_one_as_a_target(workplace):
+    aside = NO_MESHES.replace("fixes:", "in_all: false\n    fixes:")
+    (workplace.folder / "aside.yaml").write_text(aside + NULL_STUDIES)
+    status, said = workplace.run("--dry-run", "--configfile", "aside.yaml")
+    assert status != 0 and "no study of this campaign is part of `all`; name one as the target, such as" in said
+
+
 @pytest.mark.parametrize("target", ["differences", "deposits"])
 def test_a_target_whose_studies_are_elsewhere_names_the_overlay(workplace, target):
     status, said = workplace.run("--dry-run", "--", target)
@@ -173,7 +180,7 @@ def test_a_target_whose_studies_are_elsewhere_names_the_overlay(workplace, targe
         ("grainz={source: synthetic}", "config: grainz: unknown key; did you mean 'grains'?"),
         (
             "studies={validation: {fixes: {domain: {width: 3 kg}}}}",
-            "config: studies.validation.domain.width: '3 kg' is a mass; a length is needed, such as '0.2 m'",
+            "config: studies.validation.fixes.domain.width: '3 kg' is a mass; a length is needed, such as '0.2 m'",
         ),
         ("grains={source: nowhere}", "config: grains.source: 'nowhere' does not exist"),
         ("grains={unit: mm}", "config: grains.unit: it has no effect with synthetic grains"),

@@ -12,6 +12,7 @@ from snakemake.utils import update_config
 
 from simcore.campaign.command_line import campaign_command, typed_values
 from simcore.campaign.plan import Plan, is_dry_run
+from simcore.campaign.plan_checks import height_option
 from simcore.grains.sources import source_files
 from simcore.paths import R22_TABLES, REFERENCE, ROOT, find_this_python_first
 from simcore.provenance.digest import digest
@@ -80,17 +81,21 @@ def has_value(column):
     return is_given
 
 
-def unless_none(paths, there_are, overlay):
-    """Return an input function: these paths, or an error that names the overlay if the campaign has no such studies."""
+def unless(problem, paths):
+    """Return an input function: these paths, or an error with this problem unless it is empty."""
 
     def inputs(wildcards):
-        if not there_are:
-            raise WorkflowError(
-                f"this campaign has no such study; use a configuration that has one: --configfile {overlay}"
-            )
+        if problem:
+            raise WorkflowError(problem)
         return paths
 
     return inputs
+
+
+def unless_none(paths, there_are, overlay):
+    """Return an input function: these paths, or an error that names the overlay if the campaign has no such studies."""
+    problem = f"this campaign has no such study; use a configuration that has one: --configfile {overlay}"
+    return unless("" if there_are else problem, paths)
 
 
 def curve(wildcards):
@@ -129,6 +134,11 @@ def specifications_to_compile(wildcards):
 
 def mpiexec(wildcards):
     return plan.mpiexec(wildcards.study, wildcards.packing)
+
+
+def check_of_height(wildcards):
+    specification = plan.value(wildcards.study, wildcards.packing, "specification")
+    return height_option(wildcards.study, specification, campaign["porosity"]["cut"])
 
 
 def bias_effects(wildcards):

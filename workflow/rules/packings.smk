@@ -63,6 +63,7 @@ rule packing:
         nodes=nodes,
         cpus_per_task=campaign["threads"],
         mpi=mpiexec,
+        check=check_of_height,
         mem_mb=memory_mb,
         runtime=minutes,
     params:
@@ -76,12 +77,12 @@ rule packing:
     # The checkpoints are not an output, so that an interrupted packing resumes from them. Each study has its own folder
     # of checkpoints, because two studies may have the same packing, and only one process per folder may run a scene.
     # `exec` makes Snakemake the parent of the packing: if Snakemake is killed, the packing ends too instead of running
-    # beside the next run. `--force` is given because the height of each bed was checked with the campaign's own cut
-    # when the rules were read.
+    # beside the next run. The height of each bed is checked with the cut of its evaluation, a resource here because the
+    # packing does not depend on it.
     shell:
         "exec python -m simcore launch {input.specification} {output.packing}"
         " --ranks {resources.tasks} --threads {resources.cpus_per_task} --mpiexec={resources.mpi:q}"
-        " --checkpoints {params.checkpoints:q}/{wildcards.study} --with-parent --force > {log} 2>&1"
+        " --checkpoints {params.checkpoints:q}/{wildcards.study} --with-parent {resources.check} > {log} 2>&1"
 
 
 # This runs as soon as the packing is finished, so that an interrupted campaign leaves rows and not only packings.
@@ -117,6 +118,10 @@ rule study_table:
         "<results>/logs/study_table/{study}.log",
     params:
         rows=lookup(query="study == '{study}'", within=packings, cols="row"),
+        specifications=lookup(
+            query="study == '{study}'", within=packings, cols="specification"
+        ),
+        porosity=campaign["porosity"],
         test_only=campaign["test_only"],
         code=digest("workflow/scripts/study_table.py", *published),
     script:
@@ -145,13 +150,21 @@ for study, piece, names in plan.pieces():
 
 # The packings of a study that have no row in the committed tables yet, whether or not their files exist: `snakemake
 # single_form_left`, then `snakemake collect`. A campaign can thus continue after its last row, also on another machine.
-for study in all_studies if campaign["reference"] else []:
+for study in all_studies:
 
     rule:
         name:
             f"{study}_left"
         input:
-            plan.files_left(study),
+            unless(
+                (
+                    ""
+                    if campaign["reference"]
+                    else f"{study}_left needs the rows that `collect` writes: give a folder for them in the "
+                    "configuration, such as `reference: my_rows`"
+                ),
+                plan.files_left(study) if campaign["reference"] else [],
+            ),
 
 
 # Writes rows of all finished packings to the committed tables; other packings can follow later. The tables are not
@@ -163,6 +176,7 @@ rule collect:
     params:
         folder=campaign["reference"],
         test_only=campaign["test_only"],
+        porosity=campaign["porosity"],
         evaluations=f"{plan.results}/porosity",
         command=plan.command,
         packings=plan.to_gather(),

@@ -170,10 +170,14 @@ rule report:
         model_figures=collect(
             "<results>/figures/models/{figure}.png", figure=model_figures
         ),
-        campaign_tables=unless_none(
+        campaign_tables=unless(
+            (
+                ""
+                if studies
+                else "no study of this campaign is part of `all`; name one as the target, such as "
+                f"`snakemake --cores 2 {all_studies[0]}`, or set its key `in_all` to true"
+            ),
             collect("<results>/campaign/{table}.csv", table=["cost", "trends"]),
-            studies,
-            "config/smoke.yaml, or request your studies by their names: none has `in_all: true`",
         ),
         campaign_figures=collect(
             "<results>/figures/campaign/{figure}.png", figure=campaign_figures

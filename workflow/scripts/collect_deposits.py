@@ -10,7 +10,7 @@ from simcore.provenance.machine import describe_host
 
 log_to(snakemake.log[0])
 p = snakemake.params
-check_gathered(p.folder, p.test_only, "config/deposits.yaml")
+check_gathered(p.folder, p.test_only)
 machine = describe_host()
 diagonal, missing = [], 0
 for study, packings in p.packings.items():

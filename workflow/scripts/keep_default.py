@@ -11,7 +11,7 @@ DEFAULT = "snakemake"  # the command of the campaign without an overlay
 
 log = log_to(snakemake.log[0])
 folder = Path(snakemake.params.folder)
-check_gathered(str(folder), snakemake.params.test_only, "config/config.yaml")
+check_gathered(str(folder), snakemake.params.test_only)
 if folder.resolve() == REFERENCE / "default" and snakemake.params.command != DEFAULT:
     raise ValueError(
         f"{folder} has the tables of `{DEFAULT}`, and this campaign is `{snakemake.params.command}`; leave out its "

@@ -2,6 +2,7 @@
 
 import xarray as xr
 
+from simcore.campaign.evaluations import how_it_differs
 from simcore.campaign.job_log import log_to
 from simcore.campaign.study_tables import mark, summarise, tabulate, tabulate_features
 from simcore.campaign.trend_tables import tabulate_trends
@@ -10,6 +11,14 @@ from simcore.reference.r22_comparison import add_reference
 log_to(snakemake.log[0])
 rows, study = snakemake.params.rows, snakemake.wildcards.study
 evaluations = [xr.load_dataset(path) for path in snakemake.input.evaluations]
+for path, evaluation, planned in zip(
+    snakemake.input.evaluations, evaluations, snakemake.params.specifications, strict=True
+):
+    if differs := how_it_differs(evaluation, planned, snakemake.params.porosity):
+        raise ValueError(
+            f"studies.{study}: {path} {differs} than the study has now, so that one table would have beds of different "
+            "settings. Delete this file and its packing, and give the command again"
+        )
 packings = tabulate(study, rows, evaluations)
 tables = {
     "packings": packings,

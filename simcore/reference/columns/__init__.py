@@ -18,6 +18,7 @@ from simcore.reference.columns.studies import (
     SPECIFIED_MEANS,
     study_names,
 )
+from simcore.scene.specification import read_schema
 
 __all__ = [
     "COLUMNS",
@@ -30,6 +31,7 @@ __all__ = [
     "Column",
     "describe_columns",
     "find_column",
+    "setting_column",
     "study_names",
 ]
 
@@ -133,3 +135,19 @@ def find_column(table, name):
     if name in described:
         return described[name]
     return next((column for key, column in described.items() if key.endswith("*") and fnmatch(name, key)), None)
+
+
+def setting_column(name):
+    """Return the Column of a setting of a packing that a study varies, from its schema; None unless one key ends so."""
+    found = [schema for key, schema in _settings(read_schema("packing")) if key == name]
+    if len(found) != 1:
+        return None
+    return Column(name, found[0].get("x-unit", ""), found[0]["description"].strip().rstrip("."))
+
+
+def _settings(schema):
+    """Yield the last part of each key of a schema, with the schema of its value."""
+    for key, value in schema.get("properties", {}).items():
+        if "description" in value:
+            yield key, value
+        yield from _settings(value)

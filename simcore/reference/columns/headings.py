@@ -220,6 +220,7 @@ HEADINGS = {
     "r_size_FL": Heading("correlation of size and flatness", 2, sign="+"),
     "r_size_EL": Heading("correlation of size and elongation", 2, sign="+"),
     "type": Heading("material"),
+    "domain_type": Heading("domain"),
     "not_normal": Heading("not normally distributed"),
     "target": Heading("faces, at most", 0),
     "component": Heading("principal component"),

@@ -61,6 +61,7 @@ COLUMNS = (
     Column("steps_per_contact_time", "", "time steps per contact time", key="numerics.steps_per_contact_time"),
     Column("polyhedron_contact", "", "patch, point or inflated contact", key="numerics.polyhedron_contact"),
     Column("friction_law", "", "law of friction", key="material.friction_law"),
+    Column("domain_type", "", "periodic box or cylinder", key="domain.type"),
     Column("end_of_contact", "", "normal force at the end of a contact", key="material.end_of_contact"),
     Column("orientation", "", "orientation at insertion", key="generation.orientation"),
     Column("eta_mean", "", "specified mean of eta, the longest over the middle axis", key="shapes.eta.mean"),

@@ -1,0 +1,40 @@
+"""Whether the evaluation of a packing belongs to the settings that its campaign has now."""
+
+import json
+from pathlib import PurePath
+
+from simcore.scene.identity import deciding_result, differing_keys, same_result
+
+SETTINGS = "porosity_settings"  # attribute of an evaluation: the campaign's group `porosity`, as JSON
+
+
+def settings_text(porosity: dict) -> str:
+    """Return the text of a campaign's group `porosity` that an evaluation keeps."""
+    return json.dumps(porosity, sort_keys=True)
+
+
+def grain_set_of(specification: dict) -> str:
+    """Return the name of the grain set of a packing of a campaign, which has a digest of its files; "" without one."""
+    source = specification.get("grains", {}).get("source")
+    parts = PurePath(source).parts if isinstance(source, str) else ()
+    return parts[-2] if len(parts) > 2 and parts[-3] == "grains" else ""
+
+
+def how_it_differs(evaluation, specification: dict, porosity: dict | None = None) -> str:
+    """Return in words how an evaluation differs from what a campaign plans, or "" if it does not.
+
+    evaluation: Dataset of simcore.evaluation.evaluate, or fabric, with the scene in its attributes. specification:
+    resolved, of the plan. porosity: the campaign's group `porosity`; None: it does not matter. An evaluation that does
+    not state its settings is of an earlier version, and counts as equal in them.
+    """
+    scene = json.loads(evaluation.attrs["scene"])
+    if not same_result(specification, scene):
+        keys = differing_keys(deciding_result(specification), deciding_result(scene))
+        return f"was packed with another value of {', '.join(keys)}"
+    if grain_set_of(specification) != grain_set_of(scene):
+        return "was packed with other grains"
+    stated = evaluation.attrs.get(SETTINGS)
+    if porosity is not None and stated is not None and stated != settings_text(porosity):
+        keys = differing_keys(porosity, json.loads(stated), "porosity.")
+        return f"was evaluated with another value of {', '.join(keys)}"
+    return ""
