@@ -231,7 +231,7 @@ def test_beds_of_U7_with_a_distribution_of_form():
         PLAN,
         f"Of the twelve beds {numbers[len(table)]} are packed (",
         f"the mean error is {rule['error']:+.4f} ± {error:.4f} (sampling), and".replace("-", "−"),
-        f"By {numbers[len(rhine)]} of four seeds the prediction is not confirmed, but only just;",
+        f"By the {numbers[len(rhine)]} seeds the prediction is not confirmed, but only just;",
         f"with the effect of form of lattices it is {lattices.loc['Rhine', 'error']:+.4f}.".replace("-", "−"),
         f"For the {numbers[len(sets)]} of eight sets that are packed the root mean square of the errors is "
         f"{rules.loc['sets', 'error']:.4f}, and the limit is 0.010, so that they are not confirmed either;",
