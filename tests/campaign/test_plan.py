@@ -251,6 +251,10 @@ def test_other_grains_or_material_are_no_repetition_of_the_committed_rows():
     for change in changed:
         plan = plan_of(models=models, **change)
         assert plan.committed_rows is None and plan.cases_committed == []
+    own = copy.deepcopy(CAMPAIGN["studies"])
+    own["single_form"]["fixes"] = own["single_form"].get("fixes", {}) | {"grains": {"seed": 2}}
+    plan = plan_of(models=models, studies=own)
+    assert plan.committed_rows is None and plan.cases_committed == []
 
 
 def test_rows_of_a_campaign_of_ones_own_are_shown_if_the_report_has_their_table(tmp_path):

@@ -167,3 +167,13 @@ def test_a_bed_of_small_grains_has_thinner_slices():
     assert [bulk.slice_height for bulk in found] == [0.0001, 0.001, 0.001]
     assert float(found[0].n) == pytest.approx(float(found[1].n), rel=1e-9)
     assert float(found[0].z_upper) == pytest.approx(0.1 * float(found[1].z_upper), rel=1e-9)
+
+
+def test_a_bed_of_which_one_slice_is_left_is_evaluated():
+    """11 mm without 5 mm at both ends is 1 mm, but a little less in floating-point numbers."""
+    prism = make_packing([[0, 0, 5.5e-3]], [[8e-3, 8e-3, 11e-3]], vertices=CUBE, width=1e-2)
+    assert 11e-3 - 5e-3 - 5e-3 < 1e-3
+    bulk = bulk_porosity(prism, "exact", cut=5e-3, slice_height=1e-3)
+    assert float(bulk["n"]) == pytest.approx(1 - 0.64, rel=1e-9)
+    with pytest.raises(ValueError, match="too low to cut 5.1 mm"):
+        bulk_porosity(prism, "exact", cut=5.1e-3, slice_height=1e-3)

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from simcore.reference.columns import COLUMN_OF_KEY, setting_column
 from simcore.reference.columns.headings import find_heading
 from simcore.reference.r22_comparison import add_reference
 from simcore.report.outcomes import outcome, shows_more
@@ -146,3 +147,26 @@ def test_any_other_study_has_its_range_with_its_settings_and_one_setting_its_val
     assert outcome(rows[:1]) == ["The porosity is 0.350 ± 0.004."]
     assert outcome(rows.assign(n=np.nan)) == ["The table has no porosities."]
     assert not shows_more(rows) and shows_more(pd.concat([rows, rows]))
+
+
+def test_settings_without_a_column_have_their_unit_and_a_default_is_named():
+    rows = table(amplitude=[0.001, 0.002], n=[0.34, 0.38])[["case", "amplitude", "runs", "n", "n_std_error"]]
+    assert "(amplitude 0.002 m)" in " ".join(outcome(rows))
+    assert setting_column("amplitude").unit == "m" and setting_column("amplitude").meaning
+    assert setting_column("std") is None, "several keys end so"
+    rows = table(spacing=[np.nan, 0.008], n=[0.34, 0.38])[["case", "spacing", "runs", "n", "n_std_error"]]
+    words = find_heading("spacing").words
+    (text,) = outcome(rows)
+    assert f"({words} by default)" in text and f"({words} 8 mm)" in text
+
+
+def test_a_box_and_a_cylinder_are_domains():
+    rows = table(domain_type=["periodic", "cylinder"], n=[0.34, 0.38])
+    text = " ".join(outcome(rows[["case", "domain_type", "runs", "n", "n_std_error"]]))
+    assert "domain periodic" in text and "domain cylinder" in text
+    assert COLUMN_OF_KEY["domain.type"] == "domain_type"
+
+
+def test_a_curve_of_the_study_itself_is_not_named_own():
+    rows = table(case="own", shaking_s=[0.0, 1.0], n=[0.38, 0.34])[["case", "shaking_s", "runs", "n", "n_std_error"]]
+    assert outcome(rows)[0].startswith("From 0 s of shaking to 1 s of shaking")
