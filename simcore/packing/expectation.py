@@ -165,7 +165,8 @@ def warnings(scene: Scene, expected: Expectation) -> list[str]:
         )
     width = scene.domain.width
     if expected.longest > width:
-        effect = "can touch its own periodic image" if scene.domain.type == "periodic" else "cannot lie flat, and may not come to rest"
+        periodic = scene.domain.type == "periodic"
+        effect = "can touch its own periodic image" if periodic else "cannot lie flat, and may not come to rest"
         lines.append(
             f"The longest grain, {expected.longest * 1e3:.3g} mm, is longer than the domain is wide, "
             f"{width * 1e3:.3g} mm, and {effect}. Raise domain.width."
