@@ -4,8 +4,9 @@
 
 The beds are the study mixtures_wide of config/size_and_form.yaml (mixtures_wide.csv).
 docs/appendices/size_and_form_plan.md has the rules, "Distributions of form in U7". Printed are the beds with their
-errors, by the effect of form of beds of one class that are a rain, as these beds are, and of those on lattices, which
-`predict` uses; what the rules say of them; and how much of the effect of form on one class remains in U7. Seconds.
+errors, by three one-class porosities: that of beds which were made as these, with the effect of form of a rain or of
+lattices, to which the rules apply; and that of the command `predict`, of beds on lattices that were shaken for 6 s.
+Then follow what the rules say, and how much of the effect of form on one class remains in U7. Seconds.
 """
 
 import numpy as np
@@ -17,6 +18,7 @@ from simcore.campaign.gathering import OF_SETS
 from simcore.grains.statistics import STATISTICS, equancy_statistics
 from simcore.models.fitting import fit_reference_models
 from simcore.models.size_and_form.bases import fit_bases
+from simcore.models.size_and_form.bed_prediction import rhine_one_class
 from simcore.models.size_and_form.beds import ALL_FORMS, BASE, form_labels
 from simcore.models.size_and_form.sized_model import current_model
 from simcore.models.unified import unified_features
@@ -25,7 +27,8 @@ from simcore.reference.share_columns import realised_curve
 BEDS = "mixtures_wide"
 SETS = OF_SETS[1:-1]  # mean and standard deviation of FL and of EL
 RHINE = (0.647, 0.175, 0.682, 0.139)  # values of SETS, as in the study application of config/config.yaml
-PROCESSES = ("rain", "lattices")
+PROCESSES = ("rain", "lattices")  # of the rules
+PREDICT = "predict"
 RHINE_LIMIT, SETS_LIMIT = 0.005, 0.010  # of the rules
 
 
@@ -36,7 +39,7 @@ def specified_statistics(rows):
 
 
 def comparison(beds=None) -> pd.DataFrame:
-    """Return one row per bed: SETS, seed, n, n_error, and for each of PROCESSES one_class_<process>, <process>.
+    """Return one row per bed: SETS, seed, n, n_error, and for PROCESSES and PREDICT one_class_<process>, <process>.
 
     one_class is the predicted porosity of the same grains in one sieve class, <process> the predicted porosity of the
     bed. beds: as from `read_rows`; None: the packed ones.
@@ -48,15 +51,18 @@ def comparison(beds=None) -> pd.DataFrame:
     references = fitted.constants[ALL_FORMS] + fitted.effect(beds)
     curves = [realised_curve(bed, BEDS) for _, bed in beds.iterrows()]
     table = beds[[*SETS, "seed", "n", "n_error"]].copy()
-    of_process = {"rain": rain_model(), "lattices": fit_reference_models().models["unified", BASE]}
-    for process in PROCESSES:
-        of_form = of_process[process]
-        base = float(of_form.predict(unified_features(of_all_forms().to_frame().T))[0])
-        one_class = references + of_form.predict(unified_features(specified_statistics(beds))) - base
+    fitted = fit_reference_models()
+    on_lattices = fitted.models["unified", BASE]
+    of_process = {"rain": (rain_model(), references), "lattices": (on_lattices, references)}
+    of_process[PREDICT] = on_lattices, np.full(len(beds), rhine_one_class(fitted))
+    for process, (of_form, of_rhine) in of_process.items():
+        one_class = of_form.predict(unified_features(specified_statistics(beds)))
+        if process in PROCESSES:
+            one_class = one_class + references - of_form.predict(unified_features(of_all_forms().to_frame().T))
         table[f"one_class_{process}"] = one_class
         table[process] = [
             float(np.squeeze(current_model().predict(curve, float(n1), reference=float(reference))))
-            for curve, n1, reference in zip(curves, one_class, references, strict=True)
+            for curve, n1, reference in zip(curves, one_class, of_rhine, strict=True)
         ]
     return table
 
@@ -104,11 +110,15 @@ def main() -> None:
         table = comparison()
     except ValueError as error:
         raise SystemExit(f"mixtures_wide: {error}") from None
-    shown = table.assign(**{f"error_{process}": table[process] - table["n"] for process in PROCESSES})
-    print(shown.drop(columns=list(PROCESSES)).to_string(index=False, float_format="%.4f"))
-    for process in PROCESSES:
-        print(f"\nWith the effect of form of beds of one class by the process {process!r}:")
-        print(judgement(table, process).to_string(float_format="%+.4f"))
+    names = (*PROCESSES, PREDICT)
+    shown = table.assign(**{f"error_{process}": table[process] - table["n"] for process in names})
+    print(shown.drop(columns=list(names)).to_string(index=False, float_format="%.4f"))
+    for process in names:
+        title = f"With the effect of form of beds of one class by the process {process!r}:"
+        print(f"\n{title if process in PROCESSES else 'By the command predict, to which the rules do not apply:'}")
+        judged = judgement(table, process)
+        shown = judged if process in PROCESSES else judged[["beds", "error"]]
+        print(shown.to_string(float_format="%+.4f"))
         if len(table) > 2:
             slope = slopes(table, process)
             print(

@@ -224,7 +224,7 @@ def test_beds_of_U7_with_a_distribution_of_form():
 
     for row in table.itertuples():
         FL, sigma_FL, EL, sigma_EL = (getattr(row, name) for name in SETS)
-        errors = " | ".join(f"{value - row.n:+.4f}" for value in (row.rain, row.lattices))
+        errors = " | ".join(f"{value - row.n:+.4f}" for value in (row.rain, row.lattices, row.predict))
         form = f"{FL:g} ± {sigma_FL:g}, {EL:g} ± {sigma_EL:g}"
         assert states(PLAN, f"| {form} | {row.seed} | {row.n:.3f} ± {row.n_error:.3f} | {errors} |".replace("-", "−"))
     assert states(
@@ -244,20 +244,33 @@ def test_beds_of_U7_with_a_distribution_of_form():
         f"the {numbers[len(sets)]} sets are looser than Eq. 24 by {above}.",
         f"Beds of all forms in U7, which are part of the fit, have {of_all}.",
     )
+    by_command = sets["n"] - sets["predict"]
+    assert states(
+        PLAN,
+        f"it is {rhine['one_class_predict'].mean():.3f}, and that of beds that were made like these "
+        f"{rhine['one_class_rain'].mean():.3f}. With it the mean error for the Rhine's distribution is "
+        f"{(rhine['predict'] - rhine['n']).mean():+.4f} ± {error:.4f} (sampling), and the root mean square for the "
+        f"{numbers[len(sets)]} sets is {np.sqrt(np.mean(by_command**2)):.4f}. The bed that is "
+        f"{(wide['n'] - wide['rain']).max():.3f} looser than the model gives from a rain is "
+        f"{by_command.max():.3f} looser",
+    )
     assert states(
         HOW_TO,
         f"{numbers[len(sets)].capitalize()} of these distributions were packed: their beds are looser than the formula "
-        f"by {above}. One of them, of flat grains whose form varies widely, is "
-        f"{-(wide['rain'] - wide['n']).min():.3f} looser than predicted too.",
-        "two beds of U7 were {:.3f} and {:.3f} looser than predicted".format(*sorted(wide["n"] - wide["rain"])),
+        f"by {above}, and differ from the prediction by {by_command.min():+.3f} to {by_command.max():+.3f}.".replace(
+            "-", "−"
+        ),
+        f"four beds have {rhine['n'].mean():.3f} ± {error:.3f}",
     )
     assert rules["confirmed"].tolist() == [False, False] and abs(rule["error"]) < 1.2 * rule["limit"]
     assert states(
         FINDINGS,
-        f"in U7, as a rain: forms from its distribution | {rhine['n'].mean():.3f} ± {error:.3f}; the formula of form "
-        f"and sieve curve predicts {rhine['rain'].mean():.3f} from the porosity of our rain beds of U1 | 0.288 |",
-        f"packed minus predicted | {-rule['error']:+.3f} ± {error:.3f} for the Rhine's gravel; "
+        f"in U7, as a rain: forms from its distribution | {rhine['n'].mean():.3f} ± {error:.3f}; `predict` gives "
+        f"{rhine['predict'].mean():.3f} for these sizes, from beds of U1 on lattices; from our rain beds of U1 the "
+        f"formula of form and sieve curve gives {rhine['rain'].mean():.3f} | 0.288 |",
+        f"packed minus computed from rain beds of U1 | {-rule['error']:+.3f} ± {error:.3f} for the Rhine's gravel; "
         f"{(wide['n'] - wide['rain']).max():+.3f} ± {wide['n_error'].max():.3f} for flat grains of widely varying form",
-        f"| {numbers[len(sets)]} sets of forms in U7, predicted without a fit to them | root mean square error "
+        f"| {numbers[len(sets)]} distributions of form in U7, without a fit to them | root mean square error of "
+        f"`predict` {np.sqrt(np.mean(by_command**2)):.4f}; computed from rain beds of U1 "
         f"{rules.loc['sets', 'error']:.4f}, above the limit of 0.010 that was set before | no formula | |",
     )
