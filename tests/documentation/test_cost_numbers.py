@@ -70,3 +70,18 @@ def test_speed_of_two_threads(rows, name):
     both = rows[(rows["shape"] == SHAPES[name]) & (rows["threads"] == 2)].set_index("grains")
     written = [f"{value:.2f}" for value in both["speedup"].loc[[5000, 20_000]]]
     assert row_below("speed of two threads over one", name) == written
+
+
+def test_examples_of_whole_packings():
+    rhine = pd.read_csv(REFERENCE / "mixtures_wide.csv").query("mu_FL_nominal == 0.647")
+    hours = rhine["cpu_s"] / 3600.0
+    row = row_below("packing | grains", "U7 with the Rhine's distribution of form (`mixtures_wide.csv`)")
+    assert row == [f"{rhine['grains'].mean():.0f}"[:2] + "00", f"{hours.min():.1f} to {hours.max():.1f} h"]
+    (bed,) = pd.read_csv(REFERENCE / "validation.csv").query("case == 'B70' and run == 1").itertuples()
+    row = row_below("packing | grains", "B70 in the cylinder (`validation.csv`)")
+    assert row == [f"{round(bed.grains, -2):,}".replace(",", " "), f"{bed.cpu_s / 3600.0:.1f} h"]
+    beds = pd.read_csv(REFERENCE / "single_form.csv")
+    beds = beds.query("source == 'synthetic' and case == 'U1' and representation == 'polyhedron'")
+    seconds = f"{beds['cpu_s'].mean():.0f} s"
+    assert row_below("packing | grains", "one form, one sieve class, shaken for 6 s (`single_form.csv`)")[1] == seconds
+    assert f"It took {seconds} here" in PAGE
