@@ -3,7 +3,8 @@
 import json
 from pathlib import PurePath
 
-from simcore.scene.identity import deciding_result, differing_keys, same_result
+from simcore.evaluation.interval import campaign_cut
+from simcore.scene.identity import deciding_result, differing_keys, with_present_names
 
 SETTINGS = "porosity_settings"  # attribute of an evaluation: the campaign's group `porosity`, as JSON
 
@@ -28,13 +29,15 @@ def how_it_differs(evaluation, specification: dict, porosity: dict | None = None
     not state its settings is of an earlier version, and counts as equal in them.
     """
     scene = json.loads(evaluation.attrs["scene"])
-    if not same_result(specification, scene):
-        keys = differing_keys(deciding_result(specification), deciding_result(scene))
+    planned, packed = (with_present_names(deciding_result(each)) for each in (specification, scene))
+    if keys := differing_keys(planned, packed):  # a key that is missing counts as null
         return f"was packed with another value of {', '.join(keys)}"
     if grain_set_of(specification) != grain_set_of(scene):
         return "was packed with other grains"
     stated = evaluation.attrs.get(SETTINGS)
-    if porosity is not None and stated is not None and stated != settings_text(porosity):
-        keys = differing_keys(porosity, json.loads(stated), "porosity.")
-        return f"was evaluated with another value of {', '.join(keys)}"
+    if porosity is not None and stated is not None:
+        periodic = specification["domain"]["type"] == "periodic"
+        ours, its = ({**group, "cut": campaign_cut(group["cut"], periodic)} for group in (porosity, json.loads(stated)))
+        if keys := differing_keys(ours, its, "porosity."):
+            return f"was evaluated with another value of {', '.join(keys)}"
     return ""

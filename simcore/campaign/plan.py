@@ -121,7 +121,7 @@ class Plan:
         check_names(self.all_studies)
         check_committed(self.campaign["models"]["committed"], REFERENCE / "single_form.csv")
         check_sources(self._grain_groups.values())
-        check_shared_tables(self.packings)
+        check_shared_tables(self.packings, self.studies)
         # Deposits are left out: their fabric is evaluated, with other cuts.
         check_beds(
             self.packings[~self.packings.study.str.startswith(deposits.PREFIX)], self.campaign["porosity"]["cut"]
@@ -163,12 +163,13 @@ class Plan:
 
     @functools.cached_property
     def has_default_grains(self):
-        """Whether a packing of `all` has the default grains, and one the default material; spheres have no grains."""
+        """Whether the studies of `all` with committed rows have the default grains, and one the default material."""
         scene = resolve({"domain": {"width": "1 m", "height": "1 m"}, "amount": {"grains": 1}, "sizes": {"case": "U1"}})
         of_default = resolve({"studies": {}}, "config")["grains"]
-        grains = [group for group in self.in_report.grains if group] or [self.campaign["grains"]]
+        rows = self.in_report[self.in_report.study.map(table_of).isin(SHOWN_TABLES)]
+        grains = [group for group in rows.grains if group] or [self.campaign["grains"]]
         materials = [specification["material"] for specification in self.in_report.specification]
-        return of_default in grains and scene["material"] in materials
+        return all(group == of_default for group in grains) and scene["material"] in materials
 
     def studies_named(self, prefix):
         """Return the names of all studies that begin with a prefix."""

@@ -13,7 +13,7 @@ from simcore.packing.forecast import check_bed, check_height_of_bed, typical_gra
 from simcore.paths import ROOT
 from simcore.scene.domain import Domain
 from simcore.scene.height import check_height
-from simcore.scene.identity import deciding_result, differing_keys, without
+from simcore.scene.identity import deciding_result, differing_keys, with_present_names, without
 
 LEAST_MASS = 0.7  # smallest mass that a number of grains may have, over that of as many typical grains
 # `<study>_piece_1` and `<study>_left` are targets of a study, and the others end the names of its tables.
@@ -24,8 +24,8 @@ _DISTINGUISH = {
     "form_mixture": (("sizes", "case"), ("shapes", "flatness"), ("shapes", "elongation")),
 }
 
-# Keys in which the packings of a model may differ.
-_OF_FORM = (("seed",), ("shapes", "grain"), ("shapes", "flatness"), ("shapes", "elongation"))
+# Keys in which the packings of a model may differ: seed, form, and the size of the bed.
+_OF_FORM = (("seed",), ("shapes", "grain"), ("domain", "width"), ("domain", "height"), ("amount",))
 
 
 def check_names(studies) -> None:
@@ -77,11 +77,11 @@ def _rule_names():
     return {name for file in files for name in re.findall(r"(?m)^ *rule (\w+):", file.read_text(encoding="utf-8"))}
 
 
-def check_shared_tables(packings) -> None:
+def check_shared_tables(packings, studies=()) -> None:
     """Raise ValueError if packings that a shared table does not distinguish differ in another setting than the seed.
 
-    Studies whose packings share a committed table share a model too, so that they must not differ in more than the
-    form of their grains either. packings: one row per packing, columns study, packing, source and specification.
+    packings: one row per packing, columns study, packing, source and specification. studies: names of those that are
+    part of `all`. Of these, the studies of one form share a model too, so that their settings must not differ either.
     """
     first, of_studies = {}, {}
     for row in packings.itertuples():
@@ -91,14 +91,15 @@ def check_shared_tables(packings) -> None:
         values = [row.specification[group][key] for group, key in keys]
         settings = without(deciding_result(row.specification), (("seed",),))
         other, its_settings = first.setdefault((table_of(row.study), row.source, str(values)), (row, settings))
-        if names := differing_keys(its_settings, settings):
+        if names := differing_keys(*map(with_present_names, (its_settings, settings))):
             both = " and ".join(dict.fromkeys([f"{other.study}/{other.packing}", f"{row.study}/{row.packing}"]))
             raise ValueError(
                 f"studies.{row.study}: {both} have the same sieve curve and form and differ in {', '.join(names)}, and "
                 "one table and one model would contain both; rename one of these studies, for example to "
                 f"my_{row.study}"
             )
-        _check_model(row, of_studies)
+        if row.study in studies and table_of(row.study) == "single_form":
+            _check_model(row, of_studies)
 
 
 def _check_model(row, of_studies):
@@ -110,9 +111,9 @@ def _check_model(row, of_studies):
     kind = table_of(row.study), row.source, specification["sizes"]["case"], specification["shapes"]["kind"]
     settings = without(deciding_result(specification), _OF_FORM)
     other, its_settings = of_studies.setdefault(kind, (row.study, settings))
-    if row.study != other and (names := differing_keys(its_settings, settings)):
+    if row.study != other and (names := differing_keys(*map(with_present_names, (its_settings, settings)))):
         raise ValueError(
-            f"studies.{row.study}: its packings and those of studies.{other} are in one table and one model, but "
+            f"studies.{row.study}: one model is fitted to its packings and to those of studies.{other}, but they "
             f"differ in {', '.join(names)}; rename one of these studies, for example to my_{row.study}"
         )
 

@@ -59,7 +59,7 @@ def _pack_on(ranks, options):
     try:
         if options.log is not None:
             ranks.on_first(lambda: _check_log(options))
-            report = reporter(options.log) if ranks.rank == 0 else report
+            report = ranks.on_first(lambda: reporter(options.log)) or report
         specification, setup, keeper, warned = _prepare(ranks, options, report)
     except (ValueError, OSError) as error:
         report(f"scree pack: {error}")

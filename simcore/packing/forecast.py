@@ -230,20 +230,21 @@ def height_warnings(domain: Domain, grains: Grains, density: float, generation: 
     density [kg/m³]: of the grains. generation: how they are inserted, with the keys of the group of a specification.
     """
     height = grains.total / (expected_solid_fraction(grains.sieve_size, grains.share) * domain.area)
-    room = _room(domain, grains, generation)
+    room = _room(domain, grains, generation, height)
     return [_too_high(domain, grains, density, height, generation)] if height + room > domain.height else []
 
 
 def check_height_of_bed(domain: Domain, grains: Grains, density: float, generation: dict) -> None:
     """Raise ValueError if even the densest expected bed is higher than the domain allows; as in `height_warnings`."""
     densest = expected_solid_fraction(grains.sieve_size, grains.share) + SOLID_RANGE
-    height, room = grains.total / (densest * domain.area), _room(domain, grains, generation)
+    height = grains.total / (densest * domain.area)
+    room = _room(domain, grains, generation, height)
     if height + room > domain.height:
         raise ValueError(_too_high(domain, grains, density, height, generation))
 
 
-def _room(domain, grains, generation):
-    """Return the height [m] that must remain above the bed, so that the last batch can be inserted."""
+def _room(domain, grains, generation, height):
+    """Return the height [m] that must remain above a bed of this height [m], so that all of it can be inserted."""
     if generation["fill"] == "r22":
         return (1.0 - R22_HIGHEST) * domain.height
     clearance = generation["drop_height"] or 0.0
@@ -251,19 +252,31 @@ def _room(domain, grains, generation):
         return max(clearance - grains.largest, 0.0)
     if generation["placement"] == "filled":
         return clearance + grains.largest
+    # Only the last batch may be smaller than the others.
     number = grains.share / grains.volume
     mean_square = (number @ grains.sieve_size**2) / number.sum()
-    batch = generation["batch_grains"] or domain.area / mean_square
-    return clearance + grains.largest + batch / (number.sum() * DILUTE * domain.area)
+    whole = min((generation["batch_grains"] or domain.area / mean_square) / number.sum(), grains.total)
+    batches = int(np.ceil(grains.total / whole - 1e-9))
+    last = grains.total - (batches - 1) * whole
+    batch = whole if batches > 1 else last
+    needed = (
+        before / grains.total * height + clearance + grains.largest + volume / (DILUTE * domain.area)
+        for before, volume in ((grains.total - last, last), (max(grains.total - last - batch, 0.0), batch))
+    )
+    return max(*needed, height) - height
 
 
 def _too_high(domain, grains, density, height, generation):
     """Return what is wrong with a bed of this height [m], and the remedy."""
-    room = _room(domain, grains, generation)
+    room = _room(domain, grains, generation, height)
     needed = 1.2 * height / R22_HIGHEST if generation["fill"] == "r22" else 1.2 * height + room
     lower = f"amount (now {density * grains.total:.3g} kg)"
-    if generation["fill"] == "bed" and room > height and generation["drop_height"]:
-        lower = f"generation.drop_height (now {in_mm(generation['drop_height'])} mm)"
+    if generation["fill"] == "bed" and room > height:
+        clearance = generation["drop_height"] or 0.0
+        if clearance > 0.5 * room:
+            lower = f"generation.drop_height (now {in_mm(clearance)} mm)"
+        elif generation["batch_grains"]:
+            lower = f"generation.batch_grains (now {generation['batch_grains']})"
     why = "" if room == 0.0 else f", of which insertion needs {in_mm(room)} mm above the bed"
     return (
         f"domain.height: The bed will be about {in_mm(height)} mm high, in a domain of {in_mm(domain.height)} mm{why}; "

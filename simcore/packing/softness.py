@@ -24,7 +24,7 @@ def mean_overlap(bodies, contacts, density: float) -> float:
 
 
 def expected_overlap(scene: Scene, grains: Grains) -> float:
-    """Return the `mean_overlap` that the weight of a bed is expected to cause, right within a factor of 1.4.
+    """Return the `mean_overlap` that the weight of a bed is expected to cause, right within a factor of two.
 
     With law hertz it is 0: that law has no stiffness before grains touch.
     """

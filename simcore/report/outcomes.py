@@ -6,7 +6,7 @@ from scipy.special import chdtrc  # scipy.stats has the same values but loads sl
 
 from simcore.campaign.study_tables import OWN_CURVE
 from simcore.evaluation.rounding import rounded
-from simcore.reference.columns import find_column, setting_column
+from simcore.reference.columns import find_column, setting_column, setting_is_optional
 from simcore.reference.columns.headings import find_heading
 from simcore.report.words import value_in_words
 
@@ -222,15 +222,17 @@ def _range(table):
 def _label(table, row):
     """Return the settings that differ between the rows of a table, as text."""
     return ", ".join(
-        named_setting(name, row[name]) if pd.notna(row[name]) else f"{find_heading(name).words} by default"
+        named_setting(name, row[name])
         for name in varied_columns(table)
-        if pd.notna(row[name]) or table[name].nunique() == 1
+        if pd.notna(row[name]) or setting_is_optional(name)
     )
 
 
 def named_setting(name, value):
     """Return the value of a column after its heading, a number in the unit of the heading."""
     heading = find_heading(name)
+    if pd.isna(value) and setting_is_optional(name):
+        return f"{heading.words} by default"
     if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
         column = find_column("tables/study", name) or setting_column(name)
         unit = heading.unit if heading.unit is not None else column.unit if column else ""
@@ -241,7 +243,8 @@ def named_setting(name, value):
 def varied_columns(table):
     """Return the names of the columns before the results of a study's table that differ between its rows."""
     end = next((list(table).index(name) for name in ("runs", "n") if name in table), 0)
-    return [name for name in list(table)[:end] if name not in _NOT_VARIED and table[name].nunique(dropna=False) > 1]
+    names = [name for name in list(table)[:end] if name not in _NOT_VARIED]
+    return [name for name in names if table[name].nunique(dropna=not setting_is_optional(name)) > 1]
 
 
 def _published(table):

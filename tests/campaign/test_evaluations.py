@@ -53,6 +53,20 @@ def test_what_differs_is_named(specification, porosity, text):
     assert how_it_differs(of_then, PLANNED, POROSITY) == text
 
 
+def test_names_are_those_of_today_and_a_missing_key_is_null():
+    region = changed("numerics", "polyhedron_contact", value="inflated")
+    assert how_it_differs(evaluation(region), PLANNED) == "was packed with another value of numerics.polyhedron_contact"
+    older = copy.deepcopy(PLANNED)
+    assert older["generation"].pop("batch_interval") is None
+    assert how_it_differs(evaluation(older), PLANNED) == ""
+
+
+def test_a_cut_does_not_matter_in_a_cylinder():
+    cylinder = changed("domain", "type", value="cylinder")
+    of_then = evaluation(cylinder, **{SETTINGS: settings_text({**POROSITY, "cut": 0.005})})
+    assert how_it_differs(of_then, cylinder, POROSITY) == ""
+
+
 def test_other_grains_of_the_same_name_differ():
     first, second = (
         changed("grains", "source", value=f"results/a/grains/gravel_{digest}/faces_100.nc")

@@ -251,7 +251,8 @@ def test_other_grains_or_material_are_no_repetition_of_the_committed_rows():
     for change in changed:
         plan = plan_of(models=models, **change)
         assert plan.committed_rows is None and plan.cases_committed == []
-    own = copy.deepcopy(CAMPAIGN["studies"])
+    own = copy.deepcopy(CAMPAIGN["studies"]) | {"friction": {"fixes": FEW, "varies": {"material.friction": [0.1, 0.5]}}}
+    assert plan_of(models=models, studies=own).cases_committed == ["U7"]
     own["single_form"]["fixes"] = own["single_form"].get("fixes", {}) | {"grains": {"seed": 2}}
     plan = plan_of(models=models, studies=own)
     assert plan.committed_rows is None and plan.cases_committed == []
@@ -319,10 +320,14 @@ def test_studies_of_one_table_have_the_same_settings():
     message = r"single_form_rough: single_form/\S* and single_form_rough/\S* have .* differ in material.friction,"
     with pytest.raises(ValueError, match=message):
         check_shared_tables(plan_of(studies={"single_form": smooth, "single_form_rough": rough}).packings)
-    others = {**rough, "forms": ["synthetic_000001"]}
-    message = "studies.single_form_rough: its packings and those of studies.single_form are .* differ in material.frict"
+    others = {"single_form": smooth, "single_form_rough": {**rough, "forms": ["synthetic_000001"]}}
+    message = "single_form_rough: one model is fitted to its packings and to those of studies.single_form, .*friction;"
     with pytest.raises(ValueError, match=message):
-        check_shared_tables(plan_of(studies={"single_form": smooth, "single_form_rough": others}).packings)
+        plan_of(studies=others).check()
+    others["single_form_rough"]["in_all"] = False
+    plan_of(studies=others).check()
+    larger = {"fixes": {"domain": {"width": "90 mm"}}, "varies": {"sizes.case": ["U1"]}, "forms": ["synthetic_000001"]}
+    plan_of(studies={"single_form": smooth, "single_form_long": larger}).check()
     check_shared_tables(plan_of(studies={"single_form": smooth, "friction_single_form": rough}).packings)
     wide = {"varies": {"sizes.case": ["U5"]}, "forms": {"spread": 2}, "fixes": FEW}
     check_shared_tables(plan_of(studies={"single_form": smooth, "single_form_wide": wide}).packings)

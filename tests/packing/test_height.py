@@ -64,9 +64,9 @@ def test_shaking_that_the_time_steps_do_not_resolve_is_refused():
         set_up_spheres(100, accuracy="standard", shaking={"period": "0.2 ms"})
 
 
-@pytest.mark.parametrize("placement, room", [("filled", "8.1 mm"), ("random", "50 mm")])
+@pytest.mark.parametrize("placement, room", [("filled", "8.1 mm"), ("random", "39 mm")])
 def test_insertion_needs_room_above_the_bed(placement, room):
-    """A bed of 1500 spheres is about 170 mm high; above it a batch needs a grain, or at random places a zone."""
+    """A bed of 1500 spheres is about 170 mm high; above it the last batches need a grain, or at random places a zone."""
     setup = set_up_spheres(1500, generation={"placement": placement, "drop_height": "20 mm"})
     needed = in_mm(0.02 + 1e-3 * float(room.split()[0]))
     (line,) = [text for text in setup_warnings(setup) if text.startswith("domain.height")]
@@ -75,6 +75,16 @@ def test_insertion_needs_room_above_the_bed(placement, room):
     higher = {"domain": {"width": "60 mm", "height": f"{raised} mm"}}
     setup = set_up_spheres(1500, generation={"placement": placement, "drop_height": "20 mm"}, **higher)
     assert not any(text.startswith("domain.height") for text in setup_warnings(setup))
+
+
+def test_a_batch_at_random_places_is_no_larger_than_the_packing():
+    """150 grains are one batch, which is inserted above the floor and needs 130 mm; a batch of 2000 would need 1 m."""
+    few = {"placement": "random", "batch_grains": 2000, "drop_height": "10 mm"}
+    for height, fits in (("135 mm", True), ("125 mm", False)):
+        setup = set_up_spheres(150, generation=few, domain={"width": "60 mm", "height": height})
+        assert any(text.startswith("domain.height") for text in setup_warnings(setup)) != fits
+    setup = set_up_spheres(3000, generation=few, domain={"width": "60 mm", "height": "0.8 m"})
+    assert any("or lower generation.batch_grains (now 2000)" in text for text in setup_warnings(setup))
 
 
 def test_a_clearance_that_fills_the_domain_is_named():

@@ -156,6 +156,12 @@ def test_settings_without_a_column_have_their_unit_and_a_default_is_named():
     assert setting_column("std") is None, "several keys end so"
     rows = table(spacing=[np.nan, 0.008], n=[0.34, 0.38])[["case", "spacing", "runs", "n", "n_std_error"]]
     words = find_heading("spacing").words
+    three = table(spacing=[np.nan, 0.008, 0.010], n=[0.34, 0.36, 0.38])[["case", "spacing", "runs", "n", "n_std_error"]]
+    assert f"({words} by default)" in " ".join(outcome(three)) and "()" not in " ".join(outcome(three))
+    forms = table(
+        spacing=[np.nan, np.nan, 0.008, 0.008], grain=["a", "b"] * 2, EQ=[0.8, 0.25] * 2, n=[0.3, 0.3, 0.4, 0.4]
+    )
+    assert "nan" not in " ".join(outcome(forms[["case", "spacing", "grain", "runs", "n", "n_std_error", "EQ"]]))
     (text,) = outcome(rows)
     assert f"({words} by default)" in text and f"({words} 8 mm)" in text
 

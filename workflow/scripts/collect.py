@@ -17,7 +17,7 @@ log_to(snakemake.log[0])
 p = snakemake.params
 check_gathered(p.folder, p.test_only)
 machine = describe_host()
-# All rows are made before the first is written, so that an error leaves the tables as they were.
+# All rows are made before the first is written.
 gathered, sources = [], {}
 for study, plans in p.packings.items():
     for source, packings in plans.items():

@@ -17,7 +17,7 @@ for path, evaluation, planned in zip(
     if differs := how_it_differs(evaluation, planned, snakemake.params.porosity):
         raise ValueError(
             f"studies.{study}: {path} {differs} than the study has now, so that one table would have beds of different "
-            "settings. Delete this file and its packing, and give the command again"
+            "settings. Give the command again without `--rerun-triggers`: Snakemake then makes it anew"
         )
 packings = tabulate(study, rows, evaluations)
 tables = {

@@ -83,8 +83,11 @@ class Pouring:
             return bool(high < REFILL_HEIGHT * height - max(generation.spacing, 2.0 * radius))
         return top + generation.drop_height < (1.0 if last else REFILL_HEIGHT) * height
 
-    def needed_height(self, inserted: int) -> float:
-        """Return the height [m] above the bed without which no batch can follow `inserted` grains."""
+    def needed_height(self, inserted: int, largest: float) -> float:
+        """Return the height [m] above the bed without which no batch can follow `inserted` grains.
+
+        largest [m]: diameter of the largest grain.
+        """
         generation = self.scene.generation
         if generation.placement == "random":
             _, drawn, reach = self._next_random(inserted)
@@ -93,7 +96,9 @@ class Pouring:
             _, _, reach, volumes = self._next_filled(inserted)
             grain = zone_height(reach[:1], volumes[:1], self.scene.domain.area, generation.solid_fraction)
             return generation.drop_height + grain
-        return (1.0 - REFILL_HEIGHT) * self.scene.domain.height if generation.fill == "r22" else generation.drop_height
+        if generation.fill == "r22":
+            return (1.0 - REFILL_HEIGHT) * self.scene.domain.height + max(generation.spacing, largest) - 0.5 * largest
+        return generation.drop_height
 
     def batch(self, inserted: int, top: float, touching: Callable) -> Batch:
         """Return the batch that follows `inserted` grains whose top is `top` [m]; PackingError if no grain fits.

@@ -44,9 +44,10 @@ class Insertion:
         if may_wait and self._has_space(state, bodies, bed_top, last=True, among=bed):
             return False
         _, radius = self._highest(bodies)
-        needed = self.pouring.needed_height(state.inserted)
+        largest = 2.0 * float(radius)
+        needed = self.pouring.needed_height(state.inserted, largest)
         bed_top = bed_top if np.isfinite(bed_top) else top
-        raise PackingError(no_space(self.scene, state.inserted, top, bed_top, needed, 2.0 * float(radius)))
+        raise PackingError(no_space(self.scene, state.inserted, top, bed_top, needed, largest))
 
     def batch(self, state, bodies):
         """Return the next batch: (new bodies, their mean sieve size [m]); store in `state` when another may follow."""

@@ -32,6 +32,7 @@ __all__ = [
     "describe_columns",
     "find_column",
     "setting_column",
+    "setting_is_optional",
     "study_names",
 ]
 
@@ -139,10 +140,20 @@ def find_column(table, name):
 
 def setting_column(name):
     """Return the Column of a setting of a packing that a study varies, from its schema; None unless one key ends so."""
+    schema = _setting(name)
+    return schema and Column(name, schema.get("x-unit", ""), schema["description"].strip().rstrip("."))
+
+
+def setting_is_optional(name):
+    """Return whether a column is a quantity that a packing need not have: then an empty cell is its default."""
+    schema = _setting(name)
+    return schema is not None and "x-unit" in schema and "default" in schema and schema["default"] is None
+
+
+def _setting(name):
+    """Return the schema of the setting in a column, or None unless one key ends with the name of the column."""
     found = [schema for key, schema in _settings(read_schema("packing")) if key == name]
-    if len(found) != 1:
-        return None
-    return Column(name, found[0].get("x-unit", ""), found[0]["description"].strip().rstrip("."))
+    return found[0] if len(found) == 1 else None
 
 
 def _settings(schema):

@@ -19,7 +19,11 @@ LEDGERS = (
     Column("source", "", "name of the grains' source"),
     Column("packing", "", "name of the packing within its study"),
     Column("settings", "", "digest of the settings that decide the porosity"),
-    Column("grain_set", "", "name of the set of grains with a digest of their files; empty: no grains are read"),
+    Column(
+        "grain_set",
+        "",
+        "name of the set of grains with a digest of their files; empty: no grains are read, or before it was recorded",
+    ),
     Column("cpu_s", "s", "CPU time of the packing"),
     Column("code", "", "version of the code that packed, digest of its sources, and commit"),
     Column("evaluation", "", "the same of the code that evaluated the packing; empty: before it was recorded"),
