@@ -326,7 +326,7 @@ def test_studies_of_one_table_have_the_same_settings():
         plan_of(studies=others).check()
     others["single_form_rough"]["in_all"] = False
     plan_of(studies=others).check()
-    larger = {"fixes": {"domain": {"width": "90 mm"}}, "varies": {"sizes.case": ["U1"]}, "forms": ["synthetic_000001"]}
+    larger = {"fixes": {"domain": {"height": "0.9 m"}}, "varies": {"sizes.case": ["U1"]}, "forms": ["synthetic_000001"]}
     plan_of(studies={"single_form": smooth, "single_form_long": larger}).check()
     check_shared_tables(plan_of(studies={"single_form": smooth, "friction_single_form": rough}).packings)
     wide = {"varies": {"sizes.case": ["U5"]}, "forms": {"spread": 2}, "fixes": FEW}

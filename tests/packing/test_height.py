@@ -66,7 +66,7 @@ def test_shaking_that_the_time_steps_do_not_resolve_is_refused():
 
 @pytest.mark.parametrize("placement, room", [("filled", "8.1 mm"), ("random", "39 mm")])
 def test_insertion_needs_room_above_the_bed(placement, room):
-    """A bed of 1500 spheres is about 170 mm high; above it the last batches need a grain, or at random places a zone."""
+    """A bed of 1500 spheres is about 170 mm high; above it a batch needs a grain, or a zone at random places."""
     setup = set_up_spheres(1500, generation={"placement": placement, "drop_height": "20 mm"})
     needed = in_mm(0.02 + 1e-3 * float(room.split()[0]))
     (line,) = [text for text in setup_warnings(setup) if text.startswith("domain.height")]
