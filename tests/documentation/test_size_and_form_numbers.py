@@ -205,6 +205,19 @@ def curve_of(bed):
     return all_cases()[bed.split()[0]].curve
 
 
+def test_errors_of_the_packing_models_on_beds_of_known_porosity():
+    """The columns are this model and four others, and the rows three sets of beds."""
+    known = pd.read_csv(REFERENCE / KNOWN)
+    models = ["size and form", "linear", "linear mixture", "compressible, K = 4.75", "rods"]
+    errors = known[[f"error_{name}" for name in models]].pow(2).groupby(known["set"]).mean().pow(0.5)
+    for kind, words in (
+        ("measured", "six measured gravels, U3 to B70"),
+        ("packed", "the same, packed by us in the same cylinder"),
+        ("packed by r22", "the same, packed by Rettinger et al."),
+    ):
+        assert states(HOW_TO, " | ".join([f"| {words}", *(f"{error:.4f}" for error in errors.loc[kind])]))
+
+
 def test_beds_of_U7_with_a_distribution_of_form():
     table = comparison()
     rhine, sets = table[is_rhine(table)], table[~is_rhine(table)]

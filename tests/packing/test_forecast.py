@@ -145,7 +145,7 @@ def test_predictions_hold_for_committed_rows():
     inside = (np.abs(np.log(errors.error / errors.expected)) < np.log(ERROR_FACTOR)).groupby(errors.table).mean()
     assert (inside > 0.87).all() and inside["scatter_forms"] < 0.95, inside
     medians = (errors.error / errors.expected).groupby([errors.table, errors.case]).median()
-    assert medians.drop(("single_form", "B50")).between(1 / 1.5, 1.5).all(), medians
+    assert medians.drop(("single_form", "B50")).between(1 / ERROR_FACTOR, ERROR_FACTOR).all(), medians
     assert medians["single_form", "B50"] < 2.5
     porosity = (rows.n - rows.expected_n).groupby([rows.table, rows.case]).mean()
     assert (porosity.abs() < 0.06).all(), porosity
