@@ -181,16 +181,16 @@ def rows_of(study, rows, evaluations, source):
     return table[_order(name)]
 
 
-def check_source(folder, study, source, rows, more=()):
+def check_source(folder, study, source, rows, other_sources=()):
     """Raise ValueError if the rows of a study would replace those of other grains, of which the table has no column.
 
-    rows: of the study, as from `rows_of`. more: sources of further rows of this table that are gathered now.
+    rows: as from `rows_of`. other_sources: of rows that `collect` writes into the same table at the same time.
     """
     name = table_of(study)
     if {"source", "grain_source"} & set(rows):
         return
     ledger = _ledger(folder)
-    others = sorted({*ledger.source[ledger.study.map(table_of) == name].dropna(), *more} - {source})
+    others = sorted({*ledger.source[ledger.study.map(table_of) == name].dropna(), *other_sources} - {source})
     if others:
         raise ValueError(
             f"{Path(folder) / name}.csv has rows of grains from {', '.join(others)}, and no column for the source of "

@@ -99,9 +99,10 @@ def _least_steps(scene: Scene, law: ContactLaw) -> float:
 def _sliding_steps(scene, law):
     """Return the minimum steps per contact time of a sphere that turns between two others, against their friction.
 
-    Its moment of inertia is 2/5 m r², so that two contacts slow its rotation down at five times the rate of sliding.
+    Its moment of inertia is 2/5 m r², so that two contacts slow its rotation down at five times the rate of sliding. An
+    explicit step is stable if it is shorter than two over this rate.
     """
-    return 0.5 * 5.0 * law.sliding * scene.numerics.contact_time
+    return 5.0 / 2.0 * law.sliding * scene.numerics.contact_time
 
 
 def _stiffness_factor(law: HertzLaw, unit: float) -> Callable:

@@ -14,7 +14,7 @@ SHAPE_KINDS = {
     "mixed": "shapes of several kinds",
 }
 VALUES = {
-    "case": {OWN_CURVE: "given by the settings of the study"},
+    "case": {OWN_CURVE: "of the study itself"},
     "choice": {"random": "drawn from the measured grains", "form_distribution": "drawn from a distribution"},
     "fill": {"bed": "just above the bed", "r22": "as Rettinger et al."},
     "model": {

@@ -256,7 +256,7 @@ def test_rows_of_other_grains_do_not_replace_those_of_a_table_without_a_source(t
         check_source(tmp_path, "form_mixtures_wide", "scans", rows)
     check_source(tmp_path, "form_mixtures_wide", "scans", rows.assign(grain_source="scans"))
     with pytest.raises(ValueError, match="friction.csv has rows of grains from rhine, and no column .* scans$"):
-        check_source(tmp_path, "friction", "scans", rows, more=["rhine"])
+        check_source(tmp_path, "friction", "scans", rows, other_sources=["rhine"])
 
 
 def test_a_key_that_is_left_open_is_the_same_in_a_file(tmp_path):
