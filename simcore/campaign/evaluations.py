@@ -41,3 +41,16 @@ def how_it_differs(evaluation, specification: dict, porosity: dict | None = None
         if keys := differing_keys(ours, its, "porosity."):
             return f"was evaluated with another value of {', '.join(keys)}"
     return ""
+
+
+def check_evaluations(study: str, paths, evaluations, specifications, porosity: dict | None = None) -> None:
+    """Raise ValueError if one of a study's evaluations does not belong to the settings that the study has now.
+
+    paths, evaluations, specifications: one per packing, in the same order; they and porosity are as for how_it_differs.
+    """
+    for path, evaluation, planned in zip(paths, evaluations, specifications, strict=True):
+        if differs := how_it_differs(evaluation, planned, porosity):
+            raise ValueError(
+                f"studies.{study}: {path} {differs} than the study has now, so that one table would have beds of "
+                "different settings. Give the command again without `--rerun-triggers`: Snakemake then makes it anew"
+            )

@@ -133,3 +133,13 @@ def test_half_of_it_is_gathered(deposited):
     assert len(pd.read_csv(kept / "deposits.csv")) == 5
     behind = pd.read_csv(kept / "collected.csv").set_index("study")
     assert behind.loc["deposit_map", "planned"] == 2 and behind.loc["deposit_map", "cpu_h_left_estimated"] == 0
+
+
+def test_deposits_of_former_settings_do_not_share_a_table_with_new_ones(deposited):
+    """With --rerun-triggers mtime the deposits of former settings would stay. The last test: it removes the tables."""
+    changed = TINY.replace("restitution: 0.3", "restitution: 0.4")
+    (deposited.folder / "changed.yaml").write_text(changed)
+    (deposited.folder / "results" / "tiny" / "deposits" / "means.csv").unlink()
+    status, said = deposited.run("--configfile", "changed.yaml", "--rerun-triggers", "mtime", "--", "deposits")
+    assert status != 0
+    assert "fabric/deposit_diagonal/seed_1.nc was packed with another value of material.restitution" in said

@@ -58,6 +58,7 @@ rule deposit_tables:
     params:
         studies=list(deposit_packings.study),
         rows=list(deposit_packings.row),
+        specifications=list(deposit_packings.specification),
         test_only=campaign["test_only"],
         code=digest("workflow/scripts/deposit_tables.py"),
     script:

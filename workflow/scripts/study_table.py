@@ -2,23 +2,17 @@
 
 import xarray as xr
 
-from simcore.campaign.evaluations import how_it_differs
+from simcore.campaign.evaluations import check_evaluations
 from simcore.campaign.job_log import log_to
 from simcore.campaign.study_tables import mark, summarise, tabulate, tabulate_features
 from simcore.campaign.trend_tables import tabulate_trends
 from simcore.reference.r22_comparison import add_reference
 
 log_to(snakemake.log[0])
-rows, study = snakemake.params.rows, snakemake.wildcards.study
+p = snakemake.params
+rows, study = p.rows, snakemake.wildcards.study
 evaluations = [xr.load_dataset(path) for path in snakemake.input.evaluations]
-for path, evaluation, planned in zip(
-    snakemake.input.evaluations, evaluations, snakemake.params.specifications, strict=True
-):
-    if differs := how_it_differs(evaluation, planned, snakemake.params.porosity):
-        raise ValueError(
-            f"studies.{study}: {path} {differs} than the study has now, so that one table would have beds of different "
-            "settings. Give the command again without `--rerun-triggers`: Snakemake then makes it anew"
-        )
+check_evaluations(study, snakemake.input.evaluations, evaluations, p.specifications, p.porosity)
 packings = tabulate(study, rows, evaluations)
 tables = {
     "packings": packings,
@@ -27,4 +21,4 @@ tables = {
     "table": add_reference(summarise(packings, rows[0]["varied"]), study),
 }
 for name, table in tables.items():
-    mark(table, snakemake.params.test_only).to_csv(snakemake.output[name], index=False)
+    mark(table, p.test_only).to_csv(snakemake.output[name], index=False)
