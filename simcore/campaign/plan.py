@@ -9,81 +9,21 @@ import os
 import re
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from simcore.campaign import deposits
 from simcore.campaign.biases import bias_effects, measured_biases
+from simcore.campaign.estimates import describe_studies, estimate_studies, with_cost
 from simcore.campaign.gathering import SHOWN_TABLES, not_gathered, table_of
 from simcore.campaign.plan_checks import check_beds, check_committed, check_names, check_shared_tables, check_sources
 from simcore.campaign.studies import expand, study_title
-from simcore.grains.sources import set_name, source_name
-from simcore.packing.cost import estimate
+from simcore.grains.sources import set_name
 from simcore.paths import REFERENCE
 from simcore.scene.sizes import case_spacing, size_curve
 from simcore.scene.specification import resolve
 
 # simcore.models.regression.fewest_samples of the features of each model, without importing it for each job
 SMALLEST_MIXTURE_STUDY, SMALLEST_SINGLE_FORM_STUDY = 7, 5
-
-
-def number_pieces(cpu_hours, seeds, max_hours):
-    """Return the number of the piece, from 1, of each packing of a study, (n,) int.
-
-    cpu_hours (n,): estimate for each packing. seeds (n,): packings are ordered by seed, so that an interrupted study
-    has every setting once before it has any setting twice. max_hours: largest number of CPU hours of a piece; a
-    packing that takes longer is a piece by itself.
-    """
-    pieces, piece, filled = np.empty(len(cpu_hours), int), 0, np.inf
-    for k in np.argsort(seeds, kind="stable"):
-        if filled + cpu_hours[k] > max_hours:
-            piece, filled = piece + 1, 0.0
-        pieces[k] = piece
-        filled += cpu_hours[k]
-    return pieces
-
-
-def estimate_studies(packings, in_all):
-    """Return a DataFrame with one row per study and a row `all`: study, packings, grains, cpu_h, longest_h, pieces.
-
-    packings: one row per packing, columns study, cost (a PackingCost) and piece. in_all: names of the studies of the
-    target `all`; they come first, then the row "all" with their sums, then the other studies. longest_h: CPU hours of
-    the longest packing.
-    """
-    costs = pd.DataFrame(
-        {
-            "study": packings["study"],
-            "packings": 1,
-            "grains": [cost.grains for cost in packings["cost"]],
-            "cpu_h": [cost.cpu_seconds / 3600.0 for cost in packings["cost"]],
-            "piece": packings["piece"],
-        }
-    )
-    groups = costs.groupby("study", sort=False)
-    table = groups[["packings", "grains", "cpu_h"]].sum()
-    table = table.assign(longest_h=groups["cpu_h"].max(), pieces=groups["piece"].max())
-    listed = table[table.index.isin(in_all)]
-    everything = (
-        listed[["packings", "grains", "cpu_h", "pieces"]].sum().to_frame().T.assign(longest_h=listed.longest_h.max())
-    )
-    everything.index = ["all"]
-    table = pd.concat([listed, everything, table.drop(listed.index)]).rename_axis("study").reset_index()
-    return table.astype({"packings": int, "grains": int, "pieces": int})
-
-
-def describe_studies(table, piece_hours):
-    """Return the table of estimate_studies as lines of text."""
-    lines = [f"{'study':<24}{'packings':>9}{'grains':>10}{'CPU hours':>11}{'longest':>9}{'pieces':>8}"]
-    for row in table.itertuples():
-        lines.append(
-            f"{row.study:<24}{row.packings:>9}{row.grains:>10}{row.cpu_h:>11.2f}{row.longest_h:>9.2f}{row.pieces:>8}"
-        )
-    lines.append(
-        f"Estimates are for one thread without compiling. A piece takes at most {piece_hours:g} CPU hours, or is one "
-        f"packing that takes longer; it is a target, such as {table.study.iloc[0]}_piece_1. The studies below `all` "
-        "are made only if they are requested."
-    )
-    return "\n".join(lines)
 
 
 class Plan:
@@ -107,7 +47,7 @@ class Plan:
                 "lower threads or raise cores_per_node"
             )
         self.results = campaign["pathvars"]["results"]
-        self.packings = _with_cost(expand(campaign), campaign)
+        self.packings = with_cost(expand(campaign), campaign)
         self.all_studies = list(self.packings.study.unique())
         self.studies = [name for name in self.all_studies if campaign["studies"][name]["in_all"]]
         self._rows = {(row.study, row.packing): row for row in self.packings.itertuples()}
@@ -128,8 +68,15 @@ class Plan:
         )
 
     def description(self):
-        """Return the estimated cost of the campaign, study by study, as lines of text."""
-        return describe_studies(estimate_studies(self.packings, self.studies), self.campaign["piece_hours"])
+        """Return the estimated cost of the campaign, study by study, and whether it has models, as lines of text."""
+        text = describe_studies(estimate_studies(self.packings, self.studies), self.campaign["piece_hours"])
+        if self.fits_single_forms or self.fits_mixtures or self.cases_committed:
+            return text
+        return (
+            f"{text}\nNo model will be fitted: a model needs a study of the target `all` with the name single_form "
+            f"(at least {SMALLEST_SINGLE_FORM_STUDY} forms with one sieve curve) or form_mixtures (at least "
+            f"{SMALLEST_MIXTURE_STUDY} distributions of form)."
+        )
 
     # Studies
 
@@ -370,29 +317,3 @@ class Plan:
 def is_dry_run(words) -> bool:
     """Return whether the words of a command line of Snakemake make it a dry run, such as -n, -np or --dry-run."""
     return any(re.fullmatch(r"-[A-Za-z]*n[A-Za-z]*|--dry-?run", word) for word in words)
-
-
-def _cost(row):
-    try:
-        return estimate(row.specification)
-    except ValueError as error:
-        raise ValueError(f"studies.{row.study}, packing {row.packing}: {error}") from None
-
-
-def _with_cost(packings, campaign):
-    """Return the packings of `expand` with the columns that Plan adds."""
-    # Results do not depend on cores and memory of a packing, so these must not be in the `params` of a rule.
-    costs = pd.Series([_cost(row) for row in packings.itertuples()], index=packings.index)
-    hours = np.array([cost.cpu_seconds / 3600.0 for cost in costs])
-    seeds = np.array([specification["seed"] for specification in packings.specification])
-    pieces = np.zeros(len(packings), int)
-    for rows in packings.groupby("study").indices.values():
-        pieces[rows] = number_pieces(hours[rows], seeds[rows], campaign["piece_hours"])
-    return packings.assign(
-        cost=costs,
-        is_first=~packings.study.duplicated(),
-        grain_folder=packings.grain_set.str.partition("/")[0],
-        source=[source_name((group or campaign["grains"])["source"]) for group in packings.grains],
-        piece=pieces,
-        ranks=[cost.ranks(campaign["ranks"], campaign["grains_per_rank"]) for cost in costs],
-    )

@@ -9,15 +9,8 @@ import pandas as pd
 import pytest
 import trimesh
 
-from simcore.campaign.plan import (
-    SMALLEST_MIXTURE_STUDY,
-    SMALLEST_SINGLE_FORM_STUDY,
-    Plan,
-    describe_studies,
-    estimate_studies,
-    is_dry_run,
-    number_pieces,
-)
+from simcore.campaign.estimates import describe_studies, estimate_studies, number_pieces
+from simcore.campaign.plan import SMALLEST_MIXTURE_STUDY, SMALLEST_SINGLE_FORM_STUDY, Plan, is_dry_run
 from simcore.campaign.plan_checks import check_shared_tables
 from simcore.evaluation.interval import campaign_cut
 from simcore.models.mixtures import MIXTURE
@@ -389,6 +382,14 @@ def test_models_of_single_forms_need_five_of_them_with_one_sieve_curve():
         }
         assert plan_of(studies={"single_form": study}).fits_single_forms == (number == SMALLEST_SINGLE_FORM_STUDY)
         assert not plan_of(studies={"mine": study}).fits_single_forms
+
+
+def test_a_dry_run_says_that_no_model_will_be_fitted():
+    study = copy.deepcopy(CAMPAIGN["studies"]["single_form"]) | {"forms": [f"G{i:02}" for i in range(1, 6)]}
+    without = "No model will be fitted: a model needs a study of the target `all` with the name single_form"
+    assert without in plan_of(studies={"mine": study}).description()
+    assert without not in plan_of(studies={"single_form": study}).description()
+    assert without not in plan_of(studies={"mine": study}, models={"committed": ["U7"]}).description()
 
 
 def test_ellipsoids_are_compared_with_polyhedra_of_the_same_grain():
