@@ -11,8 +11,10 @@ from benchmarks.studies.mixtures_wide import SETS, comparison, is_rhine, judgeme
 from benchmarks.studies.size_and_form_fit import describe_halves, read_rows
 from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS, OURS, R22
 from benchmarks.studies.sorted_sands import TABLE as SANDS
+from benchmarks.studies.sorted_sands import log_normal
 from simcore.evaluation.confidence import student_quantile
 from simcore.models.fitting import fit_reference_models
+from simcore.models.packing_models.curves import span
 from simcore.models.prediction import predict_preferred
 from simcore.models.size_and_form.bed_prediction import rhine_one_class, rhine_sample
 from simcore.models.size_and_form.beds import BASE, flags
@@ -143,6 +145,23 @@ def test_sands_that_are_not_wider_than_the_packed_beds():
     assert narrow.sum() == 14 and (errors.abs() > half)[narrow].all()
     assert states(HOW_TO, f"All 14 are outside the interval of the step to the curve, and the prediction is "
                           f"{errors[narrow].mean():.3f} too high on average")  # fmt: skip
+
+
+def test_sands_that_are_wider_than_the_packed_beds():
+    sands = pd.read_csv(REFERENCE / SANDS, keep_default_na=False)
+    groups = (sands[f"predicted_{OURS}"] - sands["n"]).groupby(sands["sorting"])
+    of_moderate = groups.agg(["mean", "min", "max"]).loc["moderately"]
+    mean, least, most = (f"{value:+.3f}".replace("-", "−") for value in of_moderate)
+    poorly, very_poorly = (f"{-groups.mean()[sorting]:.2f}" for sorting in ("poorly", "very poorly"))
+    error = groups.std()["moderately"] / np.sqrt(groups.size()["moderately"])
+    curve = log_normal(sands["log_deviation"][sands["sorting"] == "moderately"].iloc[0])
+    width = f"span {span(curve):.0f} : 1"
+    assert states(
+        HOW_TO,
+        f"moderately sorted ones, which {width}, by {mean} ± {error:.3f} on average, and by {least} to {most} from",
+        f"seven sands that {width} [agree with it]",
+        f"by {poorly} on average for poorly sorted sands, and by {very_poorly} for very poorly sorted ones",
+    )
 
 
 def test_the_forms_of_the_picture_of_mixtures():
