@@ -20,6 +20,7 @@ from simcore.campaign.trend_tables import tabulate_trends
 from simcore.reference.columns import COMMITTED_NAMES
 from simcore.reference.named_tables import read_named_table
 from simcore.scene.identity import result_digest
+from simcore.writing import whole_file
 
 log = logging.getLogger(__name__)
 
@@ -305,7 +306,5 @@ def record(folder, table, study, source, packings, made, command, machine):
 
 def _write(table, path):
     path.parent.mkdir(parents=True, exist_ok=True)
-    # A process that is killed leaves the former table.
-    part = path.with_name(f".{path.name}.part")
-    table.to_csv(part, index=False, lineterminator="\n")
-    part.replace(path)
+    with whole_file(path) as part:  # a process that is killed leaves the former table
+        table.to_csv(part, index=False, lineterminator="\n")

@@ -12,7 +12,7 @@ def add(commands) -> None:
         help="write a packing for ParaView, Blender, 3D printers, image analysis or network analysis",
         description="Write a packing to a file for another program. The suffix selects the format: .glb, .stl, .ply "
         "(surfaces), .vtu, .vtp (ParaView, with a second file of contacts), .npz, .tif, .vti (voxels), .graphml, .csv "
-        "(network of contacts). All numbers are in SI units.",
+        "(network of contacts). All numbers are in SI units, but the spacing in a .tif is in millimetres.",
     )
     parser.add_argument("packing", type=Path, metavar="BED.nc", help="netCDF file of `pack`")
     parser.add_argument("output", type=Path, metavar="OUT", help="file to write, such as bed.glb")
@@ -41,11 +41,14 @@ def add(commands) -> None:
 def run(options) -> int:
     """Write the files, print their names and return 0."""
     from simcore.export.export import export, known_suffix
+    from simcore.export.paraview import contacts_path
     from simcore.packing.file import read_packing
 
     voxel = length("--voxel", options.voxel)
     known_suffix(options.output)
     check_writable(options.output, options.packing)
+    if options.output.suffix.lower() in (".vtu", ".vtp"):
+        check_writable(contacts_path(options.output), options.packing)
     packing = read_packing(options.packing)
     for path in export(packing, options.output, options.periodic, voxel, options.divisions):
         print(f"wrote {path}")

@@ -42,7 +42,7 @@ def run(options) -> int:
             fabrics.append(fabric(packing, cut, bearing))
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
-    result = fabrics[0] if len(fabrics) == 1 else fabric_over_seeds(fabrics)
+    result = fabrics[0] if len(fabrics) == 1 else fabric_over_seeds(fabrics, options.packings)
     if options.out is not None:
         write_packing(options.out, result)
     print("\n".join([fabric_text(result), *warned]))

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from simcore.commands.options import check_writable
+
 
 def add(commands) -> None:
     """Add the parser of this command."""
@@ -21,6 +23,8 @@ def run(options) -> int:
     """Write the page and return 0."""
     from simcore.models.measured_prediction import models_for
     from simcore.page.writing import write_page
+
+    check_writable(options.output, options.models, endings=(".html", ".htm"))
 
     write_page(options.output, models_for(options.models, options.source))
     return 0

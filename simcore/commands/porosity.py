@@ -28,6 +28,7 @@ def run(options) -> int:
     from simcore.evaluation.porosity import bulk_porosity
     from simcore.evaluation.porosity_text import porosity_json, porosity_text, profile_table
     from simcore.packing.file import read_packing
+    from simcore.writing import whole_file
 
     method, cut = "exact" if options.exact else "spheres", cut_length(options.cut)
     if options.profile is not None:
@@ -38,6 +39,7 @@ def run(options) -> int:
     except ValueError as error:
         raise ValueError(f"{options.packing}: {error}") from None
     if options.profile is not None:
-        profile_table(packing, bulk).to_csv(options.profile, index=False)
+        with whole_file(options.profile) as part:
+            profile_table(packing, bulk).to_csv(part, index=False)
     print(porosity_json(bulk, packing) if options.json else porosity_text(bulk, packing))
     return 0

@@ -102,11 +102,12 @@ def run(options) -> int:
 
 def _print_of_curve(options, common):
     from simcore.models.size_and_form.bed_prediction_text import predict_curve_file
-    from simcore.models.size_and_form.predicted_specification import write_specification
+    from simcore.models.size_and_form.predicted_specification import read_one_sample, write_specification
 
+    ends = {name: grain_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")}
     if options.pack is not None:
         check_writable(options.pack, options.sieve, options.forms, endings=YAML)
-    ends = {name: grain_size(f"--{name}", getattr(options, name)) for name in ("finest", "coarsest")}
+        read_one_sample(options.forms, options.sieve, options.sample, **ends)
     print(predict_curve_file(options.sieve, options.forms, **ends, **common), flush=True)
     if options.pack is not None:
         for notice in write_specification(options.pack, options.sieve, options.forms, options.sample, **ends):

@@ -112,16 +112,17 @@ def fabric(packing, cut=None, bearing_contacts=BEARING_CONTACTS, n_bins=N_BINS):
     return _dataset(values | of_radius, edges, radius, attrs)
 
 
-def fabric_over_seeds(fabrics):
+def fabric_over_seeds(fabrics, names=None):
     """Return means over packings of one scene with different seeds, with standard errors over the seeds, Dataset.
 
-    fabrics: two or more Datasets from fabric(), with the same variables. Invariants of the tensor are those of the mean
+    fabrics: two or more Datasets from fabric(), with the same variables. names: of each one in messages, such as its
+    file; None: "fabric 1" and so on. Invariants of the tensor are those of the mean
     tensor, and their standard errors are by jackknife. Numbers of grains and vectors are sums over all packings.
     *_of_seed, over `seed`, are the values of the single packings. ValueError if the scenes differ in more than their
     seed, or have the same seed or none.
     """
     fabrics = list(fabrics)
-    seeds = _check_scenes(fabrics)
+    seeds = _check_scenes(fabrics, names or [f"fabric {k}" for k in range(1, len(fabrics) + 1)])
     n = len(fabrics)
     by_seed = xr.concat(
         [data.drop_vars([name for name in data if name.endswith("_std_error")]) for data in fabrics],
@@ -234,31 +235,33 @@ def _dataset(values, edges, radius, attrs):
     return xr.Dataset(data, coords, attrs)
 
 
-def _check_scenes(fabrics):
+def _check_scenes(fabrics, names):
     """Return the seeds of the fabrics, (n,); ValueError if their packings differ in more than their seed."""
     if len(fabrics) < 2:
-        raise ValueError("fabric_over_seeds: a standard error over seeds needs two packings or more; pack another seed")
-    without = [k for k, data in enumerate(fabrics, start=1) if "seed" not in data.attrs]
+        raise ValueError("a standard error over seeds needs two packings or more; pack another seed")
+    without = [name for name, data in zip(names, fabrics, strict=True) if "seed" not in data.attrs]
     if without:
         raise ValueError(
-            f"fabric_over_seeds: fabric {without[0]} of {len(fabrics)} has no attribute seed, so it may be of the same "
-            "packing as another; make the fabrics from files of `scree pack`, or set the attribute"
+            f"{without[0]}: it has no attribute seed, so it may be of the same packing as another; make the fabrics "
+            "from files of `scree pack`, or set the attribute"
         )
     seeds = [int(data.attrs["seed"]) for data in fabrics]
     reference = fabrics[0]
-    for data, seed in zip(fabrics[1:], seeds[1:], strict=True):
-        differing = [name for name in ("bearing_contacts", "cut") if data.attrs[name] != reference.attrs[name]]
+    for data, name in zip(fabrics[1:], names[1:], strict=True):
+        differing = [key for key in ("bearing_contacts", "cut") if data.attrs[key] != reference.attrs[key]]
         differing += differing_keys(
             *(shown_but_seed(json.loads(one.attrs.get("scene", "{}"))) for one in (reference, data))
         )
         differing += ["n_bins"] if data.sizes["angle"] != reference.sizes["angle"] else []
         if differing:
             raise ValueError(
-                f"fabric_over_seeds: the packings of seeds {seeds[0]} and {seed} differ in {', '.join(differing)}; "
-                "give packings that differ only in their seed"
+                f"{name} differs from {names[0]} in {', '.join(differing)}; give packings that differ only in their "
+                "seed"
             )
-    if len(set(seeds)) < len(seeds):
-        raise ValueError(
-            f"fabric_over_seeds: seeds {seeds} are not distinct, so the packings are not independent; give each once"
-        )
+    for k, seed in enumerate(seeds):
+        if seed in seeds[:k]:
+            raise ValueError(
+                f"{names[k]} has the seed {seed}, as has {names[seeds.index(seed)]}, so that they are not independent; "
+                "give each seed once"
+            )
     return seeds

@@ -16,6 +16,7 @@ from simcore.packing.heartbeat import beat
 from simcore.packing.keeping import KEEP, Keeper
 from simcore.packing.observation import observe
 from simcore.packing.packed import Packed
+from simcore.writing import whole_file
 
 
 class FramesKeeper(Keeper):
@@ -36,7 +37,7 @@ class FramesKeeper(Keeper):
         self.ranks, self.dt = ranks, setup.scene.numerics.time_step
         self.folder, self.series = output.with_name(f"{output.stem}_frames"), output.with_suffix(".pvd")
         self.next, self.frames, self.wished = 0.0, [], 0  # frames: (time [s], path)
-        self.report, self.failed = report, False
+        self.report, self.failed, self.begun = report, False, False
 
     def __getattr__(self, name):
         return getattr(self.keeper, name)  # what a keeper of checkpoints has besides the interface
@@ -87,12 +88,21 @@ class FramesKeeper(Keeper):
         sample = self.setup.sample(range(len(bodies.mass)))
         packing = packing_dataset(self.setup.scene, self.setup.bases, packed, sample, self.specification)
         self.folder.mkdir(parents=True, exist_ok=True)
+        if not self.begun:
+            self._remove_others()
+        self.begun = True
         path = self.folder / f"{len(self.frames):05d}.vtp"
         write_surfaces(path, packing)
         self.frames.append((time, path))
         _write_series(self.series, self.frames)
         _write_series(contacts_path(self.series), [(time, contacts_path(path)) for time, path in self.frames])
         beat()
+
+    def _remove_others(self):
+        """Remove the frames of a former run, which programs would show as a part of this series."""
+        kept = {file for _, path in self.frames for file in (path, contacts_path(path))}
+        for path in set(self.folder.glob("*.vtp")) - kept:
+            path.unlink()
 
 
 def _write_series(path, frames):
@@ -103,9 +113,8 @@ def _write_series(path, frames):
         name = file.relative_to(path.parent).as_posix()
         ElementTree.SubElement(collection, "DataSet", timestep=repr(float(time)), part="0", file=name)
     ElementTree.indent(root)
-    part = path.with_name(path.name + ".part")
-    ElementTree.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)
-    part.replace(path)
+    with whole_file(path) as part:
+        ElementTree.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)
 
 
 def _read_series(path):

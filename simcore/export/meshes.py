@@ -5,6 +5,7 @@ import trimesh
 
 from simcore.export.placement import places, rotations
 from simcore.export.surfaces import DIVISIONS, base_mesh, surfaces
+from simcore.writing import whole_file
 
 # From dark slate to sand, the colours of the pictures of packings. Size classes share them.
 COLORS = np.array(
@@ -46,7 +47,8 @@ def write_glb(path, packing, periodic="leave", divisions=None):
             matrix[:3, :3] = to_world[grain] * scale[grain]
             matrix[:3, 3] = packing["position"].values[grain] + shift
             _add(scene, packing, grain, names.next(grain), matrix, mesh, base)
-    path.write_bytes(scene.export(file_type="glb"))
+    with whole_file(path) as part:
+        part.write_bytes(scene.export(file_type="glb"))
 
 
 def write_triangles(path, packing, periodic="leave", divisions=None):
@@ -66,7 +68,8 @@ def write_triangles(path, packing, periodic="leave", divisions=None):
         grain = np.concatenate(of_grain)
         mesh.face_attributes["grain"] = grain.astype(np.int32)
         mesh.face_attributes["D"] = packing["D"].values[grain].astype(np.float32)
-    path.write_bytes(mesh.export(file_type=path.suffix.lower()[1:]))
+    with whole_file(path) as part:
+        part.write_bytes(mesh.export(file_type=path.suffix.lower()[1:]))
 
 
 class _Names:

@@ -6,6 +6,7 @@ from simcore.export.libraries import library
 from simcore.export.placement import places
 from simcore.export.surfaces import DIVISIONS, surfaces
 from simcore.export.table import contact_table, grain_table
+from simcore.writing import whole_file
 
 OF_GRAINS = ("grain", "D", "L", "I", "S", "FL", "EL", "volume", "coordination")
 OF_CONTACTS = ("first", "second", "image_x", "image_y", "overlap", "force", "normal_force")
@@ -34,13 +35,15 @@ def write_solids(path, packing, periodic="leave", divisions=None):
     by_count = dict(sorted(by_count.items()))  # meshio's reader assigns the data of the cells in this order
     blocks = [(f"polyhedron{count}", cells) for count, (cells, _) in by_count.items()]
     data = {name: [table[name].to_numpy()[grains] for _, grains in by_count.values()] for name in OF_GRAINS}
-    meshio.Mesh(np.concatenate(points), blocks, cell_data=data).write(path)
+    with whole_file(path) as part:
+        meshio.Mesh(np.concatenate(points), blocks, cell_data=data).write(part, "vtu")
 
     ends, table, vectors = contact_lines(packing, periodic)
     lines = np.arange(2 * len(ends)).reshape(-1, 2)
     data = {name: [table[name].to_numpy()] for name in OF_CONTACTS} | {name: [v] for name, v in vectors.items()}
     contacts = contacts_path(path)
-    meshio.Mesh(ends.reshape(-1, 3), [("line", lines)], cell_data=data).write(contacts)
+    with whole_file(contacts) as part:
+        meshio.Mesh(ends.reshape(-1, 3), [("line", lines)], cell_data=data).write(part, "vtu")
     return [path, contacts]
 
 
@@ -60,7 +63,7 @@ def write_surfaces(path, packing, periodic="leave", divisions=None):
     mesh = pyvista.PolyData.from_regular_faces(np.concatenate(points), np.concatenate(faces))
     for name in OF_GRAINS:
         mesh.cell_data[name] = table[name].to_numpy()[of_grain]
-    mesh.save(path)
+    save_vtk(mesh, path)
 
     ends, table, vectors = contact_lines(packing, periodic)
     lines = np.column_stack([np.full(len(ends), 2), np.arange(2 * len(ends)).reshape(-1, 2)])
@@ -69,8 +72,20 @@ def write_surfaces(path, packing, periodic="leave", divisions=None):
     for name, values in ({name: table[name].to_numpy() for name in OF_CONTACTS} | vectors).items() if len(ends) else ():
         mesh.cell_data[name] = values
     contacts = contacts_path(path)
-    mesh.save(contacts)
+    save_vtk(mesh, contacts)
     return [path, contacts]
+
+
+def save_vtk(mesh, path):
+    """Write a pyvista.PolyData or ImageData to an XML file of VTK. OSError, which names the file, if this fails."""
+    vtk = library("vtkmodules.vtkIOXML", f"{path.suffix} for ParaView")
+    writer = {".vtp": vtk.vtkXMLPolyDataWriter, ".vti": vtk.vtkXMLImageDataWriter}[path.suffix.lower()]()
+    with whole_file(path) as part:
+        writer.SetFileName(str(part))
+        writer.SetInputData(mesh)
+        # VTK reports a failure neither by an exception nor always by its result.
+        if not writer.Write() or writer.GetErrorCode():
+            raise OSError(f"VTK error {writer.GetErrorCode()}")
 
 
 def contact_lines(packing, periodic="leave"):

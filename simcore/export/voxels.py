@@ -16,8 +16,10 @@ from typing import NamedTuple
 import numpy as np
 
 from simcore.export.libraries import library
+from simcore.export.paraview import save_vtk
 from simcore.export.placement import is_polyhedron, places, rotations, shape_part
 from simcore.export.surfaces import surface_areas
+from simcore.writing import whole_file
 
 GRID_VARIANCE = 16.5323 / (8.0 * np.pi**3)
 VOXELS_PER_SIZE, VOXELS_PER_GRAIN = 20, 4  # default least number along the median sieve size and the smallest axis
@@ -159,7 +161,7 @@ def write_voxels(path, packing, size=None, periodic="cut"):
     grid.labels[outside] = np.iinfo(grid.labels.dtype).max
     suffix = path.suffix.lower()
     if suffix == ".npz":
-        with path.open("wb") as file:
+        with whole_file(path) as part, part.open("wb") as file:
             np.savez_compressed(file, **grid._asdict())
     elif suffix == ".tif":
         _write_tif(path, grid)
@@ -169,7 +171,7 @@ def write_voxels(path, packing, size=None, periodic="cut"):
             dimensions=np.array(grid.labels.shape) + 1, spacing=tuple(grid.spacing), origin=tuple(grid.origin)
         )
         image.cell_data["label"] = grid.labels.ravel(order="F")
-        image.save(path)
+        save_vtk(image, path)
     return [path]
 
 
@@ -178,11 +180,12 @@ def _write_tif(path, grid):
     if grid.labels.dtype != np.uint16:
         raise ValueError(f"{path}: an ImageJ file numbers at most 65534 grains; write .npz or .vti")
     x, y, z = 1e3 * grid.spacing
-    tifffile.imwrite(
-        path,
-        grid.labels.transpose(2, 1, 0),
-        imagej=True,
-        compression="zlib",
-        resolution=(1.0 / x, 1.0 / y),
-        metadata={"axes": "ZYX", "spacing": z, "unit": "mm"},
-    )
+    with whole_file(path) as part:
+        tifffile.imwrite(
+            part,
+            grid.labels.transpose(2, 1, 0),
+            imagej=True,
+            compression="zlib",
+            resolution=(1.0 / x, 1.0 / y),
+            metadata={"axes": "ZYX", "spacing": z, "unit": "mm"},
+        )

@@ -6,7 +6,8 @@ from math import isfinite
 # A number at the beginning of a cell, before its unit; one that may have separators of thousands; one with decimals.
 _LEADING = re.compile(r"[-+\u2212]?[\d.,]+(?:[eE][-+]?\d+)?")
 _IN_GROUPS = re.compile(r"[-+\u2212]?[1-9]\d{0,2}(?:(?:\.\d{3})+|(?:,\d{3})+)")
-_LARGE = re.compile(r"[-+\u2212]?[1-9]\d{2,}")  # a whole number that may be beside one with separators
+_WHOLE = re.compile(r"[-+\u2212]?[1-9]\d*")  # it may be beside a number with separators
+_LARGE = re.compile(r"[-+\u2212]?[1-9]\d{2,}")
 _DECIMAL = re.compile(r"[-+\u2212]?\d*[.,]\d+(?:[eE][-+]?\d+)?")
 _SPLIT = re.compile(r"\d[ \u00a0\u202f'\u2019]\d")
 _MARKS = {".": "a point", ",": "a comma"}
@@ -50,7 +51,8 @@ def _no_number(where, name, text, plain):
         )
     if "±" in plain or "+-" in plain or "+/-" in plain:
         return f"{where}: {name} is '{text}'; a number is needed; write its error into a column of its own"
-    if "." in plain and "," in plain or max(plain.count(mark) for mark in ",.") > 1 or _SPLIT.search(plain):
+    marks = "." in plain and "," in plain or max(plain.count(mark) for mark in ",.") > 1 or _SPLIT.search(plain)
+    if marks and re.search(r"\d", plain):
         return (
             f"{where}: {name} is '{text}'; a number is needed, without separators of thousands; write its unit, if "
             "any, in the header"
@@ -69,16 +71,17 @@ def check_sheet_error(where, name, text):
         raise ValueError(_sheet_error(where, name, text))
 
 
-def check_decimal_marks(path, names, cells):
+def check_decimal_marks(path, names, cells, in_grams=()):
     """Raise ValueError if a number has separators of thousands, which would be read as a decimal mark.
 
     path: file, for the message. cells: DataFrame of str, its index is the row. names: dict from the columns of `cells`
-    with numbers to their names. A number such as 1.410 is refused if other cells have decimals behind a comma and none
-    has decimals behind a point, or if its column has whole numbers of three digits and no other decimals.
+    with numbers to their names. in_grams: those with masses in grams. A number such as 1.410 is refused if other cells
+    have decimals behind a comma and none has decimals behind a point, or if its column has whole numbers of three
+    digits (in grams: of any number of digits) and no other decimals.
     """
-    decimals, with_decimals, in_groups, large = {}, set(), [], set()
+    decimals, with_decimals, in_groups, whole = {}, set(), [], set()
     for row, *texts in cells[list(names)].itertuples(name=None):
-        for name, text in zip(names.values(), texts, strict=True):
+        for (position, name), text in zip(names.items(), texts, strict=True):
             leading = _LEADING.match(text)
             number = leading[0] if leading else ""
             mark = next((mark for mark in _MARKS if mark in number), None)
@@ -87,8 +90,8 @@ def check_decimal_marks(path, names, cells):
             elif _DECIMAL.fullmatch(number):
                 decimals.setdefault(mark, number)
                 with_decimals.add(name)
-            elif _LARGE.fullmatch(number):
-                large.add(name)
+            elif (_WHOLE if position in in_grams else _LARGE).fullmatch(number):
+                whole.add(name)
     for row, name, text, number, mark in in_groups:
         is_text = f"{path}, row {row}: {name} is '{text}'"
         if len(decimals) == 1 and mark not in decimals:
@@ -97,7 +100,7 @@ def check_decimal_marks(path, names, cells):
                 f"{is_text}, but this table writes decimals with {_MARKS[used]} ({example}); write numbers without "
                 "separators of thousands"
             )
-        if name in large and name not in with_decimals:
+        if name in whole and name not in with_decimals:
             raise ValueError(
                 f"{is_text}; if it is {number.replace(mark, '')}, write it so, without a separator of thousands; if "
                 f"not, write another number of decimals, such as {number}0"

@@ -69,6 +69,10 @@ def sample_of_class(curve, index, classes):
             return sample
     parts = [bounds for bounds in classes if bounds[0] < high * (1 - 1e-6) and low * (1 + 1e-6) < bounds[1]]
     lies, remedy = "no class of the table of forms contains it", "add its forms"
+    if index == 0:
+        remedy += (
+            f", or begin the finest class of forms at 0, such as '< {min(upper for _, upper in classes) * 1e3:g} mm'"
+        )
     if parts:
         lies = f"it is only partly within {' and '.join(class_text(*bounds) for bounds in parts)} of the table of forms"
         remedy = "let the classes of forms end at sieves of the curve"

@@ -62,6 +62,8 @@ def read_numbers(path, header, cells, columns):
     if _PERCENT.search(name):
         return None, [f"the column {name} is not used, because it is in percent"]
     for row, text in texts.items():
+        if _AMBIGUOUS.fullmatch(text) and not may_number_rows(name):
+            raise ValueError(f"{path}, row {row}: {name} is {text}; write it without a separator of thousands")
         if not _WHOLE.fullmatch(text):
             given = f"{text} in row {row} is no" if text else f"row {row} has no"
             return None, [f"the column {name} is not used, because {given} number of grains"]

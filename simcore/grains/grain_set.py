@@ -1,13 +1,13 @@
 # ruff: noqa: E741  L, I, S are the field's names of the axes
 """Set of grains in one netCDF file: ragged arrays of vertices and faces, and one row of measures per grain."""
 
-import os
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from simcore.grains.mesh import Grain
+from simcore.writing import whole_file
 
 _MEASURES = {
     "L": ("m", "longest axis of the mass-equivalent ellipsoid"),
@@ -55,10 +55,8 @@ def grain_dataset(grains, **attributes):
 
 def write_grains(path, grains, **attributes):
     """Write the Dataset of grain_dataset to path; the file has a temporary name until it is complete."""
-    path = Path(path)
-    part = path.with_name(path.name + ".part")
-    grain_dataset(grains, **attributes).to_netcdf(part, engine="netcdf4")
-    os.replace(part, path)
+    with whole_file(path) as part:
+        grain_dataset(grains, **attributes).to_netcdf(part, engine="netcdf4")
 
 
 def read_grains(path):

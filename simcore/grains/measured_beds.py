@@ -276,14 +276,17 @@ def _read_porosity(where, texts, positions, percent):
     scale, unit = (100.0, " %") if percent else (1.0, "")
     if not texts[positions["n"]]:
         raise ValueError(f"{where}: n is empty; give the porosity, or remove the row")
-    n = read_number(where, "n", texts[positions["n"]])
+    sign = "% " if percent else ""  # the unit of the header may be repeated in the cells
+    n = read_number(where, "n", texts[positions["n"]].rstrip(sign or None))
     if not 0 < n < scale:
         remedy = "correct it" if percent else "give a fraction, or write n [%] in the header if it is in per cent"
         raise ValueError(f"{where}: n = {n:g}{unit} is not between 0 and {scale:g}{unit}; {remedy}")
     text = texts[positions["n_error"]] if "n_error" in positions else ""
     if not text:
         return n / scale, float("nan")
-    n_error = read_number(where, "n_error", text)
+    n_error = read_number(where, "n_error", text.rstrip(sign or None))
+    if n_error == 0:
+        raise ValueError(f"{where}: n_error = 0, but each measurement has an error; if it is unknown, leave it empty")
     if not percent and n_error > MAX_ERROR:
         is_percent = LEAST_ERROR <= n_error / 100.0 <= MAX_ERROR
         in_percent = f"; if {n_error:g} is in percentage points, write {n_error / 100:g}" if is_percent else ""

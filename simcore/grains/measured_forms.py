@@ -379,6 +379,11 @@ def _from_means(name, entries, counts, noun):
     # If nothing varies, the difference of squares is rounding.
     sigma_EQ = float(sigma_EQ) if sigma_FL or sigma_EL else 0.0
     grains = 0 if counts is None else counts.weights[row]
+    if grains == 1 and (sigma_FL or sigma_EL):
+        raise ValueError(
+            f"{entries[0][0]}: a single grain has no standard deviation, but {noun} {name} has one; correct the "
+            "number of grains or the deviations"
+        )
     sample = Sample(name, grains, mu_FL, sigma_FL, mu_EL, sigma_EL, float(mu_EQ), sigma_EQ)
     if sample.one_form or grains < FEWEST_FOR_ERRORS:
         return sample

@@ -12,6 +12,7 @@ _PLY_TYPES = {
 }  # fmt: skip
 _STL_ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _STL_VERTEX = re.compile(rb"^\s*vertex\s+([^\r\n]*)", re.IGNORECASE | re.MULTILINE)
+_STL_FACET = rb"facet\b", rb"endfacet\b"
 _PLY_ORDER = {"binary_little_endian": "<", "binary_big_endian": ">"}
 
 
@@ -51,6 +52,12 @@ def _read_stl(data):
         raise ValueError(
             "the file cannot be read as a mesh: it is neither STL text nor binary STL of the length in its header"
             f"{'' if is_text else _describe_length(data)}; export or copy it again"
+        )
+    ends = [len(re.findall(rb"^\s*" + word, data, re.IGNORECASE | re.MULTILINE)) for word in _STL_FACET]
+    if 0 < ends[1] < ends[0]:
+        raise ValueError(
+            f"the file cannot be read as a mesh: the STL text has {ends[0]} facets and {ends[1]} lines `endfacet`, so "
+            "that it may be cut short; export or copy it again"
         )
     try:
         corners = np.array([line.split() for line in words], float)

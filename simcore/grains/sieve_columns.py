@@ -32,7 +32,7 @@ PAN = re.compile(
 _SPELLINGS = {
     "um": "µm", "μm": "µm", "micron": "µm", "microns": "µm", "micrometer": "µm", "micrometre": "µm",
     "millimeter": "mm", "millimetre": "mm", "inch": "in", "inches": "in", "φ": PHI, "Φ": PHI, "ϕ": PHI, "phi": PHI,
-    "ψ": PSI, "Ψ": PSI,
+    "ψ": PSI, "Ψ": PSI, '"': "in", "″": "in", "”": "in",
     "percent": PERCENT, "pct": PERCENT, "wt%": PERCENT, "wt.%": PERCENT, "wt-%": PERCENT, "mass%": PERCENT,
     "mass-%": PERCENT, "masse-%": PERCENT, "m-%": PERCENT, "m.-%": PERCENT, "ma.-%": PERCENT, "gew%": PERCENT,
     "gew.%": PERCENT, "gew-%": PERCENT, "gew.-%": PERCENT, "gram": "g", "grams": "g", "lbs": "lb",
@@ -42,6 +42,15 @@ _OPENING_WORDS = {
     "opening", "openings", "aperture", "mesh", "size", "sieve", "sieves", "diameter", "d", "grainsize", "maschenweite",
     "siebweite", "sieb", "siebe", "prüfsieb", "prüfsiebe", "siebgröße", "sieböffnung", "maschenöffnung", "öffnung",
     "korngröße", "korndurchmesser", "tamis", "ouverture", "diamètre", "ø", PHI, PSI,
+}  # fmt: skip
+# Words of a column with the upper, or the mean sizes of classes.
+_UPPER_WORDS = {
+    "upper", "max", "maximum", "smaller", "less", "below", "up", "bis", "kleiner", "obere", "oberer", "oberes",
+    "oberen", "sup", "supérieur", "supérieure",
+}  # fmt: skip
+_MEAN_WORDS = {
+    "mean", "average", "middle", "mid", "centre", "center", "median", "mittel", "mittlere", "mittlerer", "mittleres",
+    "moyen", "moyenne",
 }  # fmt: skip
 _PASSING_WORDS = {
     "passing", "passes", "finer", "undersize", "durchgang", "siebdurchgang", "durchgangssumme", "durchgänge",
@@ -138,12 +147,26 @@ def recognise_sieve_columns(path, table, classes=None):
     if len(openings) > 1:
         names = " and ".join(header[position] for position, _ in openings[:2])
         raise ValueError(f"{path}: the columns {names} are both sieve openings; remove one")
+    if openings[0][0] != classes:
+        _check_lower_size(path, header[openings[0][0]], amounts)
     kinds = [(column.meaning, column.unit in MASSES) for column in amounts]
     for i, kind in enumerate(kinds):
         if kind in kinds[:i]:
             names = f"{header[amounts[kinds.index(kind)].position]} and {header[amounts[i].position]}"
             raise ValueError(f"{path}: the columns {names} are both the amount {amounts[i].meaning}; remove one")
     return SieveColumns(*openings[0], amounts)
+
+
+def _check_lower_size(path, name, amounts):
+    """Raise ValueError if a column has the upper or mean sizes of classes, but an amount is of the sieve below them."""
+    text = split_unit(name)[0]
+    words = plain_words(text)
+    kind = "upper" if words & _UPPER_WORDS or "<" in text else "mean" if words & _MEAN_WORDS else None
+    if kind and any(column.meaning != PASSING for column in amounts):
+        raise ValueError(
+            f"{path}: the column {name} seems to have the {kind} sizes of classes, but the sieve is needed that "
+            "retains a class; give that sieve, such as `opening [mm]`, or both bounds as `from [mm]` and `to [mm]`"
+        )
 
 
 def check_one_sample(path, table, used):
@@ -247,6 +270,7 @@ def reading_rules():
         "opening": _OPENING_WORDS, "passing": _PASSING_WORDS, "coarser": _COARSER_WORDS, "summed": _SUMMED_WORDS,
         "retained": _RETAINED_WORDS, "count": _COUNT_WORDS, "gross": _GROSS_WORDS, "sieve": _SIEVE_WORDS,
         "grains": _GRAIN_WORDS, "joining": _JOINING_WORDS, "of": _OF_WORDS, "mass": _MASS_WORDS,
+        "upper": _UPPER_WORDS, "mean_size": _MEAN_WORDS,
     }  # fmt: skip
     return {
         "words": {key: sorted(values) for key, values in words.items()},

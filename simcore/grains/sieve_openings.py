@@ -7,12 +7,16 @@ import numpy as np
 
 from simcore.grains.cell_numbers import check_sheet_error, read_number
 from simcore.grains.row_errors import read_each
-from simcore.grains.sieve_columns import LENGTHS, LOGARITHMS, PAN, PHI, known_unit
+from simcore.grains.sieve_columns import LENGTHS, LOGARITHMS, PAN, PHI, PSI, known_unit
 
 LEAST_COARSEST = 63e-6  # [m]; if the coarsest sieve is finer, its unit or decimal mark is probably wrong
 MAX_COARSEST = 1.0  # [m]; larger sizes of grains may be in µm
-COMMON_FRACTION = re.compile(r"[1-9]\d* ?/ ?[1-9]\d*")
-WITH_UNIT = re.compile(r"(.*?)\s*([a-zA-Zµμφϕ]+)\.?")
+COMMON_FRACTION = re.compile(r"(?:([1-9]\d*)[ -])?([1-9]\d*) ?/ ?([1-9]\d*)")
+SINGLE_SIGNS = {"½": "1/2", "¼": "1/4", "¾": "3/4", "⅛": "1/8", "⅜": "3/8", "⅝": "5/8", "⅞": "7/8"}
+WITH_UNIT = re.compile(r'(.*?)\s*([a-zA-Zµμφϕ]+|["″”])\.?')
+SAME_SIZE = 0.01  # relative deviation of the size in a row such as "< 2" from the finest sieve
+BELOW = re.compile(r"< ?([\d.,]+ ?[a-zA-Zµμ]*)")  # a row of what passes a size
+ABOVE = re.compile(r"[>≥]=? ?(.*)")
 
 
 def read_openings(path, header, cells, columns):
@@ -34,6 +38,8 @@ def read_openings(path, header, cells, columns):
             f"{path}: the table has {len(openings) or 'no'} sieve{'s' * (not openings)}; at least two are needed"
         )
     rows, values = list(openings), np.array(list(openings.values()))
+    if pans:
+        _check_pan(f"{path}, row {pans[0]}", name, texts[pans[0]], columns.unit, values.min())
     if values.max() < LEAST_COARSEST:
         raise ValueError(
             f"{path}: the coarsest sieve is {values.max() * 1e3:g} mm, finer than sand; correct the unit of {name}, "
@@ -45,14 +51,49 @@ def read_openings(path, header, cells, columns):
     return rows[order], values[order], pans[0] if pans else None
 
 
-def notices_of_size(name, openings, passing):
-    """Return a notice if there are grains of more than MAX_COARSEST; name: of the column of openings."""
+def notices_of_size(name, unit, openings, passing):
+    """Return a notice if the sizes of the grains look like those of another unit or sign.
+
+    name, unit: of the column of openings. There is one if grains are larger than MAX_COARSEST, and one if phi or psi
+    has the sign of sand throughout.
+    """
+    if unit in LOGARITHMS and openings[-1] < 1e-3:
+        sign, of_gravel, other = ("positive", "negative", PSI) if unit == PHI else ("negative", "positive", PHI)
+        return [
+            f"all sieves are finer than 1 mm, because {name} is {sign}; for gravel {unit} is {of_gravel}: if its sign "
+            f"was left out, name the column `{other}`"
+        ]
     largest = openings[min(np.count_nonzero(passing < 1.0), len(openings) - 1)]
     if largest <= MAX_COARSEST:
         return []
     return [
         f"there are grains of about {largest * 1e3:g} mm, which are too large for a sieve; the unit of {name} may be µm"
     ]
+
+
+def opening_rules():
+    """Return what a reader of openings in another language needs, as plain values."""
+    patterns = {"with_unit": WITH_UNIT, "fraction": COMMON_FRACTION, "below": BELOW, "above": ABOVE}
+    return {
+        "patterns": {key: pattern.pattern for key, pattern in patterns.items()},
+        "single_signs": SINGLE_SIGNS,
+        "same_size": SAME_SIZE,
+        "least_coarsest": LEAST_COARSEST,
+        "most_coarsest": MAX_COARSEST,
+    }
+
+
+def _check_pan(where, name, text, unit, finest):
+    """Raise ValueError if the row of the pan states another size, such as "< 2", than the finest sieve [m]."""
+    below = BELOW.fullmatch(text)
+    if below is None or unit in LOGARITHMS:
+        return
+    size = _opening(where, name, below[1], unit)
+    if abs(size / finest - 1.0) > SAME_SIZE:
+        raise ValueError(
+            f"{where}: {name} is '{text}', but the finest sieve is {finest * 1e3:g} mm; add the sieve of "
+            f"{size * 1e3:g} mm, or write `pan` if the row has all that passes the finest sieve"
+        )
 
 
 def _in_order(values):
@@ -97,6 +138,8 @@ def _opening(where, name, text, unit):
             f"{where}: {is_text}; if the row has what passes the finest sieve, name it `pan`; if it is no sieve, "
             "remove the row"
         )
+    if above := ABOVE.fullmatch(text):
+        raise ValueError(f"{where}: {name} is '{text}'; write {above[1]}: the row of a sieve has what stays on it")
     match = WITH_UNIT.fullmatch(text)
     own = known_unit(match[2]) if match else None
     if unit is None and match and own is None:
@@ -110,8 +153,10 @@ def _opening(where, name, text, unit):
         unit, text = own, match[1]
     if re.match(r"(?:no|nr|#)", text, re.IGNORECASE):
         raise ValueError(f"{where}: {name} is '{text}', a number of a sieve; give its opening instead, in mm")
-    if COMMON_FRACTION.fullmatch(text):
-        value = Fraction(text.replace(" ", ""))
+    plain = "".join(f" {SINGLE_SIGNS[sign]}" if sign in SINGLE_SIGNS else sign for sign in text).strip()
+    if fraction := COMMON_FRACTION.fullmatch(plain):
+        whole, above, below = (int(part or 0) for part in fraction.groups())
+        value = whole + Fraction(above, below)
         raise ValueError(f"{where}: {name} is '{text}'; write a fraction as a decimal number, {float(value):g}")
     value = read_number(where, name, text)
     if unit in LOGARITHMS:

@@ -27,20 +27,14 @@ from simcore.grains.sieve_columns import (
     reading_rules,
     recognise_sieve_columns,
 )
-from simcore.grains.sieve_openings import (
-    COMMON_FRACTION,
-    LEAST_COARSEST,
-    MAX_COARSEST,
-    WITH_UNIT,
-    notices_of_size,
-    read_openings,
-)
+from simcore.grains.sieve_openings import notices_of_size, opening_rules, read_openings
 from simcore.grains.sieve_sums import FEWEST_SUMS, LOSS, SMALL_STEP, notices_of_sums, notices_of_total
 from simcore.grains.summary_rows import find_summary_rows, is_total
-from simcore.grains.table_file import read_table
+from simcore.grains.table_file import advice_on_names, read_table
 
 SMALL_END = 0.01  # open ends with at most this share of the mass get a bound by assumption
-ROUNDING = 0.005  # deviation of a sum from 1 that rounded percentages explain; it is removed, with a notice
+# Deviation of a sum from 1 that rounded percentages explain, without round-off; it is removed, with a notice.
+ROUNDING = 0.005 + 1e-9
 AGREEMENT = 0.01  # two columns of one table agree if their shares passing differ by at most this
 
 
@@ -168,14 +162,15 @@ def read_sieve_table(path, coarsest=None):
         text, classes = with_lower_sieves(path, given)
         columns = recognise_sieve_columns(path, text, classes)
     except ValueError as error:
-        raise ValueError("; ".join([str(error), *given.notices])) from None
+        raise ValueError("; ".join([str(error), *advice_on_names(given.separator), *given.notices])) from None
     columns = columns if classes is None else retained_only(path, columns)
     cells, labels, notices = _leave_out_totals(text.cells, columns, list(text.notices))
     if cells.empty:
         raise ValueError(f"{path}: there are no rows below the header; {NEEDED}")
     used = [columns.opening, *(column.position for column in columns.amounts)]
     written = given.cells.loc[given.cells.index.isin(cells.index)]  # classes as they were before with_lower_sieves
-    check_decimal_marks(path, {position: given.header[position] for position in used}, written)
+    in_grams = [column.position for column in columns.amounts if column.unit == "g"]
+    check_decimal_marks(path, {position: given.header[position] for position in used}, written, in_grams)
     check_one_sample(path, text, used)
     rows, openings, pan = read_openings(path, text.header, cells, columns)
     results, doubts = [], []
@@ -212,7 +207,7 @@ def read_sieve_table(path, coarsest=None):
             )
         notices.append(f"the columns {name} and {other} agree; {name} is used")
     _check_classes(path, table)
-    of_size = notices_of_size(text.header[columns.opening], openings, table.passing)
+    of_size = notices_of_size(text.header[columns.opening], columns.unit, openings, table.passing)
     notices += of_size
     unused = [text.header[i] or f"(column {i + 1}, no name)" for i in cells if i not in used]
     if unused:
@@ -224,16 +219,14 @@ def read_sieve_table(path, coarsest=None):
 
 def table_rules():
     """Return all that a reader of such tables in another language needs, as plain values: dict of words and numbers."""
-    patterns = {"with_unit": WITH_UNIT.pattern, "fraction": COMMON_FRACTION.pattern}
-    rules = reading_rules()
+    rules, of_openings = reading_rules(), opening_rules()
     return {
         **rules,
-        "patterns": {**rules["patterns"], **patterns},
+        **of_openings,
+        "patterns": {**rules["patterns"], **of_openings["patterns"]},
         "small_end": SMALL_END,
         "rounding": ROUNDING,
         "agreement": AGREEMENT,
-        "least_coarsest": LEAST_COARSEST,
-        "most_coarsest": MAX_COARSEST,
         "fewest_sums": FEWEST_SUMS,
         "small_step": SMALL_STEP,
         "loss": LOSS,

@@ -40,6 +40,7 @@ _MARKS = (
 _EXCEL_SEPARATOR = re.compile(r'"?sep=([!#-/:-@[-^`{-~\t]|\\t)"?[;,\t]*', re.IGNORECASE)
 _SEPARATORS = (";", "\t", "|", ",")
 _SPACES = r"\s+"
+OF_SPACES = "blanks separate the columns, also inside their names: separate the columns with semicolons or tabs"
 _WEAK_SEPARATORS = (",", _SPACES)  # which a title may contain too
 SAVE_AS = "save it as CSV (UTF-8)"
 
@@ -102,8 +103,15 @@ def read_table(path):
 
 def advice_on_fields(separator):
     """Return what to do about a row with another number of fields than the header."""
+    if separator == _SPACES:
+        return f"add or remove fields; {OF_SPACES}"
     of_commas = ", and write decimals with a point, because commas separate the fields" if separator == "," else ""
     return f"add or remove fields{of_commas}"
+
+
+def advice_on_names(separator):
+    """Return a list with what to do about columns that were not recognised, empty if their names may have blanks."""
+    return [OF_SPACES] if separator == _SPACES else []
 
 
 def _read_text(path, data):

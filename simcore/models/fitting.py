@@ -7,7 +7,7 @@ import pandas as pd
 
 from simcore.models.files import load_models, read_models
 from simcore.models.measured_file import is_file_of_fit, not_written_by_fit, read_curve_models, read_measured_models
-from simcore.models.mixtures import MIXTURE
+from simcore.models.mixtures import MIXTURE, groups_of_means
 from simcore.models.regression import fewest_samples, fit_and_validate
 from simcore.models.single_form import SINGLE_FORM
 from simcore.models.size_and_form.curve_correction import read_correction
@@ -88,9 +88,7 @@ def _fit_campaign(single_forms, mixtures, seed, fitted):
         for case, rows in over_seeds(mixtures, "sample").groupby("case"):
             if ("form_mixture", case) in fitted:
                 continue
-            # Sets of one mean form are left out together, as for the unified model, so that the errors are comparable.
-            groups = rows.groupby(["mean_FL", "mean_EL"]).ngroup()
-            if len(rows) - groups.value_counts().max() > len(MIXTURE) + 1 and groups.nunique() > 2:
+            if (groups := groups_of_means(rows)) is not None:
                 features = unified_features(rows)[list(MIXTURE)]
                 models["form_mixture", case] = fit_and_validate(features, rows.n, "form_mixture", case, seed, groups)
     if single_forms is not None and mixtures is not None:

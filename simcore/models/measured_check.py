@@ -115,6 +115,8 @@ def _describe_left_out(case, number, fitted, models):
             f"; for our model of sieve curve and form, give {curve} as --sieve or in a column sieve, not as a case"
             + ("" if case in all_cases() else f"; for beds of any single sieve class the case is {ONE_CLASS}")
         )
+    if models is not None:
+        remedy = "; leave out --models to compare with our models, or give a file that was fitted to such beds"
     return f"{what}; {describe_models(fitted, models)}{remedy}"
 
 

@@ -1,5 +1,7 @@
 """Write the fit to measured beds with sieve curves as text for people or as plain values for JSON."""
 
+import numpy as np
+
 from simcore.grains.text_columns import text_columns
 from simcore.models.measured_curves import LITERATURE, OURS
 from simcore.models.measured_text_parts import (
@@ -8,6 +10,7 @@ from simcore.models.measured_text_parts import (
     plain,
     plain_candidate,
     records,
+    scattering,
     sentences_on_reasons,
     table_of_beds,
     table_of_candidates,
@@ -25,8 +28,8 @@ def describe_curves(fit, path):
     lines += [*_table_of_agreement(fit), ""]
     lines += wrap(
         "The bias is the mean of predicted minus measured porosity, and the scatter is the standard deviation of "
-        "single beds about it. The last column counts the beds inside the 95 % prediction interval. Packing models get "
-        "the one-class porosity from our models."
+        f"{scattering(fit.beds)} about it. The last column counts the beds inside the 95 % prediction interval. "
+        "Packing models get the one-class porosity from our models."
     )
     lines += ["", *wrap(_describe_bias(fit)), ""]
     lines += table_of_beds(fit.beds, f"our model of {OURS} as it is")
@@ -79,6 +82,7 @@ def sentences(fit):
         f"The beds have {len(fit.model.forms)} {'form' if len(fit.model.forms) == 1 else 'forms'}. For forms "
         "and curves that they do not cover, these data do not show whether the correction is the same; there the "
         "interval is wider.",
+        *_shared_by_form(fit),
         *sentences_on_reasons(fit),
     ]
     rescaling = fit.candidates[1]
@@ -97,6 +101,20 @@ def sentences(fit):
     texts += describe_errors(fit)
     texts += validity(fit)
     return texts
+
+
+def _shared_by_form(fit):
+    """Return a sentence on the error that beds of one form share, if a form has several beds, as a list."""
+    forms, of_form = len(fit.model.forms), fit.model.one_class.models[tuple(fit.model.form_model)].scatter
+    if forms == len(fit.beds):
+        return []
+    bias = fit.agreement.iloc[0]
+    error = np.sqrt(bias.bias_error**2 + of_form**2 / forms)
+    return [
+        f"Beds of one form share the error of its one-class porosity, whose standard deviation is {of_form:.4f}. The "
+        "errors of the bias and of the coefficients do not contain it, because they are for the forms of these beds. "
+        f"For other forms the standard error of the bias is {error:.4f} instead of {bias.bias_error:.4f}."
+    ]
 
 
 def curves_as_plain(fit):

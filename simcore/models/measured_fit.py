@@ -226,7 +226,8 @@ def fit_case(measured, case, fitted, features="single_form"):
     candidates = [for_single_beds(item, beds.repeats, repeat_scatter) for item in candidates]
     if not any(item.model for item in candidates):
         reasons = "; ".join(dict.fromkeys(item.reason for item in candidates))
-        raise ValueError(f"case {given}: no model can be fitted to its {len(beds)} beds: {reasons}")
+        kind = ValueError if any(by == "ours" for by, _ in predictions) else TooFewBeds
+        raise kind(f"case {given}: no model can be fitted to its {len(beds)} beds: {reasons}")
     kinds = {kind_of_bed(sample) for sample in samples}
     return CaseFit(
         case=case,
@@ -316,10 +317,10 @@ def _find_base(predictions, samples, case, fitted):
 
 def _remedy(case, fitted):
     """Return what to do if none of the FittedModels is for the beds of a case, as a clause, or ""."""
-    if case in fitted.cases():
-        return ""
     if case in all_cases():
         return f"; for our model of sieve curve and form, give --sieve {case} instead of the case"
+    if case in fitted.cases():
+        return ""
     return (
         f"; for beds of any single sieve class give {ONE_CLASS} as their case, and for a sieve curve of your own "
         "--sieve CURVE.csv instead of the case"

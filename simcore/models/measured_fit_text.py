@@ -2,6 +2,7 @@
 
 import json
 import math
+import shlex
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from simcore.models.measured_text_parts import (
     plain,
     plain_candidate,
     records,
+    scattering,
     sentences_on_reasons,
     table_of_beds,
     table_of_candidates,
@@ -39,16 +41,17 @@ def describe_fit(result, path, out=None):
         lines += describe_curves(result.curves, path)
     for sentence in result.left_out:
         lines += [wrap(f"Left out: {sentence}."), ""]
-    cases = [case.given for case in result.cases]
+    cases, quoted = [case.given for case in result.cases], shlex.quote(str(out))
     if out is None:
         lines.append("No model is written; give --out MODEL.json to use it in `predict`.")
     elif cases:
         written = f"model of case {cases[0]} is" if len(cases) == 1 else f"models of the cases {', '.join(cases)} are"
-        lines.append(f"The {written} written. Use it: scree predict FORMS.csv --case {cases[0]} --models {out}")
+        case = shlex.quote(cases[0])
+        lines.append(f"The {written} written. Use it: scree predict FORMS.csv --case {case} --models {quoted}")
     if out is not None and result.curves is not None:
         lines.append(
             "The correction for sieve curves is written. Use it: scree predict FORMS.csv --sieve CURVE.csv "
-            f"--models {out}"
+            f"--models {quoted}"
         )
     return "\n".join(_flatten(lines))
 
@@ -90,7 +93,7 @@ def _describe_agreement(case):
         cells.append([describe_model(row.by, row.model), str(row.beds), *numbers, inside])
     text = (
         "The bias is the mean of predicted minus measured porosity, and the scatter is the standard deviation of "
-        "single beds about it. The last column counts the beds inside the 95 % prediction interval."
+        f"{scattering(case.beds)} about it. The last column counts the beds inside the 95 % prediction interval."
     )
     lines = [*text_columns(cells), "", wrap(text), ""]
     return [*lines, wrap(_describe_bias(case)), ""] if case.base else lines

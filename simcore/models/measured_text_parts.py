@@ -67,6 +67,11 @@ def table_of_coefficients(case):
     return text_columns(cells)
 
 
+def scattering(beds):
+    """Return what scatters about the bias in a table of agreement: single beds, or the means of repeats."""
+    return "the means of repeats" if (beds.repeats > 1).any() else "single beds"
+
+
 def sentences_on_reasons(case):
     """Return sentences on the candidates that are not fitted."""
     reasons = {}

@@ -15,6 +15,7 @@ from simcore.models.regression import (
     usable_features,
 )
 from simcore.models.tables import join_r22, join_r22_models, over_seeds
+from simcore.reference.columns import SPECIFIED_MEANS
 
 log = logging.getLogger(__name__)
 
@@ -34,7 +35,9 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
     """Fit the models of form mixtures, per case; returns (tables, models) as single_form_models does.
 
     packings: one row per packing, columns case, n and the 104 of mixture_features; if there is a column sample, the
-    packings of a sample are averaged first. Tables: `correlations` of all usable features, the strongest first,
+    packings of a sample are averaged first. If there are columns mean_FL and mean_EL, sets of one mean form are left
+    out of a model together, as for the unified model, so that their errors can be compared; the errors of the feature
+    sets are those of single sets, as in Table 10. Tables: `correlations` of all usable features, the strongest first,
     `feature_sets` (the sets of Table 10 with cross-validated errors and R² of the fit to all packings), `models`.
     A set is left out with a logged warning if one of its features cannot be used or it has too few packings for its
     coefficients. folds: number of folds of the cross-validation. r22_correlations, r22_sets, r22_models: tables
@@ -43,6 +46,8 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
     correlations, sets, models = [], [], {}
     for case, rows in over_seeds(packings, "sample").groupby("case", sort=False):
         n = rows["n"].to_numpy()
+        groups = groups_of_means(rows)
+        rows = rows.drop(columns=list(SPECIFIED_MEANS), errors="ignore")
         features = usable_features(rows.drop(columns=["case", "n"]).select_dtypes("number"))
         correlations.append(
             correlate(features, n)
@@ -65,7 +70,7 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
                 log.warning("case %s: feature set %s is left out: its features depend on each other", case, columns)
                 continue
             flags = {name: int(name in columns) for name in MIXTURE}
-            model = fit_and_validate(chosen, n, "form_mixture", case, seed, folds=folds)
+            model = fit_and_validate(chosen, n, "form_mixture", case, seed, groups, folds)
             result = cross_validate(chosen, n, folds, seed=seed)
             sets.append({"case": case, **flags, **result, "r_squared": model.r_squared, "samples": len(n)})
             if columns == MIXTURE:
@@ -86,6 +91,18 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
     if r22_models is not None and models:
         tables["models"] = join_r22_models(tables["models"], r22_models)
     return tables, models
+
+
+def groups_of_means(rows):
+    """Return the labels (n,) of sets of one mean form, which are left out of a fit together.
+
+    None if rows has no columns mean_FL and mean_EL, or if too few sets would remain for a fit of MIXTURE.
+    """
+    if not set(SPECIFIED_MEANS) <= set(rows):
+        return None
+    groups = rows.groupby(list(SPECIFIED_MEANS)).ngroup()
+    few = groups.nunique() <= 2 or len(rows) - groups.value_counts().max() <= len(MIXTURE) + 1
+    return None if few else groups
 
 
 def application_table(models, packings, r22=None):

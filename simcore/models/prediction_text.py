@@ -4,8 +4,10 @@ import json
 
 import numpy as np
 
+from simcore.grains.form_notices import SHOWN
 from simcore.grains.measured_forms import FEWEST_FOR_ERRORS, read_two_axes
 from simcore.grains.text_columns import text_columns
+from simcore.grains.text_lists import join_first
 from simcore.models.fitted_range import FAR, NEAR
 from simcore.models.measured_file import MEASURED
 from simcore.models.measured_prediction import check_level, models_for_cases, predict_measured
@@ -28,6 +30,11 @@ FEW_WORDS = {
     FEW_GRAINS: "do not determine the spread of form well",
     FEWEST_FOR_ERRORS: "do not determine the error either; it is that of grains that differ as much as the Rhine's",
 }
+
+SINGLE_GRAIN = (
+    "All grains of a bed or class are taken to have the form of its single measured grain. If they differ, the "
+    "interval does not contain the error of the form"
+)
 
 
 def predict_file(path, case, models=None, source=None, column=None, level=0.95, output="text", notify=None):
@@ -159,12 +166,17 @@ def _remarks(rows, column):
     return [f"  {row['name']}, {describe_model(row.by, row.model)}: {row[column]}" for _, row in rows.iterrows()]
 
 
-def few_grains_caveats(names, grains) -> list[str]:
-    """Return lines on the samples of few grains; names, grains (n,): of each sample, 0 grains if they are unknown."""
-    grains = np.asarray(grains)
+def few_grains_caveats(names, grains, of_one_form) -> list[str]:
+    """Return lines on the samples of few grains.
+
+    names, grains, of_one_form (n,): of each sample; 0 grains if they are unknown. Grains of one form have no error.
+    """
+    names, grains, differ = np.asarray(names), np.asarray(grains), ~np.asarray(of_one_form, bool)
     lines = []
+    if single := dict.fromkeys(names[grains == 1]):
+        lines.append(f"{SINGLE_GRAIN}: {join_first([str(name) for name in single], SHOWN)}.")
     for number, text in FEW_WORDS.items():
-        few = dict.fromkeys(np.asarray(names)[(grains > 1) & (grains < number)])
+        few = dict.fromkeys(names[differ & (grains > 1) & (grains < number)])
         if few:
             lines.append(f"Fewer than {number} grains {text}: {', '.join(map(str, few))}.")
     return lines
@@ -205,7 +217,7 @@ def _caveats(table, level):
         lines.append(
             "If only means and deviations are given, FL and EL are assumed independent, as by Rettinger et al."
         )
-    lines += few_grains_caveats(table.name, table.grains)
+    lines += few_grains_caveats(table.name, table.grains, table.kind_of_bed == KINDS_OF_BED[0])
     ours = table[table.preferred]
     one_form = ours.kind_of_bed == KINDS_OF_BED[0]
     lines += few_grains_error_caveats(ours.name, one_form, ours.few_grains_error, "the porosity")

@@ -2,7 +2,6 @@
 
 import functools
 import json
-import os
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +17,7 @@ from simcore.provenance.code_name import code_name
 from simcore.provenance.version import VERSION
 from simcore.scene.scene import Scene
 from simcore.scene.shapes import Base
+from simcore.writing import whole_file
 
 RENAMED = {"mass_fraction_asked": "mass_fraction_specified"}  # variables of files of Scree 0.1
 
@@ -104,14 +104,8 @@ def _stability_attributes(stability):
 
 def write_packing(path, packing: xr.Dataset) -> None:
     """Write under a temporary name and rename, so that `path` is never incomplete. OSError if this fails."""
-    path = Path(path)
-    part = path.with_name(path.name + ".part")
-    try:
+    with whole_file(path) as part:
         packing.to_netcdf(part, engine="netcdf4")
-        os.replace(part, path)
-    except (OSError, RuntimeError) as error:  # the netCDF library raises RuntimeError on a full disk
-        part.unlink(missing_ok=True)
-        raise OSError(f"{path} cannot be written ({error}). Check that there is free space on its disk.") from error
 
 
 def read_packing(path) -> xr.Dataset:

@@ -62,7 +62,7 @@ def sieve_specification(curve, source, sample=None, classes=None, *, draw=True):
             f"its cost. If that is too much, {_leave_out(curve)}"
         )
     start = f"""# Packs the sieve curve of {source.name}. See what it costs:  scree explain THIS_FILE
-name: {name}
+name: "{name}"
 seed: 1
 sizes:
   bounds: [{bounds}]

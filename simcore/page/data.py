@@ -16,7 +16,7 @@ from simcore.models.formulas import SYMBOLS
 from simcore.models.measured_file import MEASURED
 from simcore.models.nearly_round import LEAST_RATIO, describe_nearly_round
 from simcore.models.packing_models.empirical import PREDICTORS
-from simcore.models.prediction_text import FEW_WORDS
+from simcore.models.prediction_text import FEW_WORDS, SINGLE_GRAIN
 from simcore.models.scatter import LEAST
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS
 from simcore.packing.sieve_specification import SYNTHETIC, sieve_specification
@@ -98,6 +98,7 @@ def _reading():
             "rounded": form_notices.ROUNDED,
             "spread": form_notices.SPREAD,
         },
+        "single_grain": SINGLE_GRAIN,
         "few_grains": [{"grains": grains, "words": words} for grains, words in FEW_WORDS.items()],
         "needed": NEEDED,
         "no_deviations": NO_DEVIATIONS,

@@ -8,6 +8,7 @@ from pathlib import Path
 from jinja2 import Environment, StrictUndefined
 
 from simcore.page.data import page_data
+from simcore.writing import whole_file
 
 # In the order in which they are loaded; each one uses only those before it.
 SCRIPTS = (
@@ -23,7 +24,9 @@ def write_page(path, fitted):
     if path.is_dir():
         raise ValueError(f"{path}: this is a folder; give the name of the page to write, such as porosity.html")
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(page_text(page_data(fitted)), encoding="utf-8")
+    text = page_text(page_data(fitted))
+    with whole_file(path) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def page_text(data):

@@ -77,4 +77,10 @@ def voxel_pores(packing, low, high, voxel=None, network=True):
         difference = abs(value - coarse[name]) if np.isfinite(value) else np.inf
         numbers[f"{name}_resolution"] = max(difference, least.get(name, 0.0))
     numbers["tortuosity"] = extrapolated(coarse["tortuosity"], fine["tortuosity"])
+    if numbers["tortuosity"] < 1.0:
+        raise ValueError(
+            f"the voxels of {edges[1] * 1e3:g} mm are too large for the tortuosity, which is "
+            f"{coarse['tortuosity']:.3g} on voxels of twice this edge and {fine['tortuosity']:.3g} on these; choose a "
+            "smaller --voxel"
+        )
     return numbers, sizes

@@ -190,7 +190,7 @@ def _application(packings, models):
 def _mixtures(packings, seed, folds):
     """Fit the models of mixtures, and return them with their tables and figures."""
     fitted, models = mixture_models(
-        _samples(packings).drop(columns=list(SPECIFIED_MEANS)),
+        _samples(packings),
         read_r22_table("correlations"),
         read_r22_table("table10_form_mixture_features"),
         read_r22_table("models"),

@@ -77,8 +77,10 @@ def form_mixture_findings(features, packings, application, seed, folds) -> Findi
     features: table of features of the study form_mixtures; packings: the table of its packings. application: features
     of the packings to predict, or None. seed, folds: of the cross-validation.
     """
+    specified = ["packing", *SPECIFIED_MEANS]
+    sets = features.merge(packings[specified], on="packing") if set(specified) <= set(packings) else features
     tables, models = mixture_models(
-        features.drop(columns=["packing", "kind", "note"], errors="ignore"),
+        sets.drop(columns=["packing", "kind", "note"], errors="ignore"),
         read_r22_table("correlations"),
         read_r22_table("table10_form_mixture_features"),
         read_r22_table("models"),

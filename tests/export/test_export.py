@@ -30,6 +30,27 @@ def test_the_command_writes_every_format(bed, tmp_path, capsys, suffix):
     assert sorted(written) == sorted(str(path) for path in output.parent.iterdir())
 
 
+@pytest.mark.parametrize("suffix", [".vtp", ".vti"])
+def test_a_file_that_vtk_cannot_write_is_an_error(tmp_path, suffix, monkeypatch):
+    def fail(writer):
+        return 0
+
+    vtk = pytest.importorskip("vtkmodules.vtkIOXML")
+    for name in ("vtkXMLPolyDataWriter", "vtkXMLImageDataWriter"):
+        writer = type(name, (getattr(vtk, name),), {"Write": fail})
+        monkeypatch.setattr(vtk, name, writer)
+    with pytest.raises(OSError, match=f"out{suffix} cannot be written"):
+        export(strew("polyhedron", contacts=[(0, 1), (2, -1)]), tmp_path / f"out{suffix}")
+
+
+@pytest.mark.parametrize("suffix", (".vtu", ".vtp"))
+def test_a_file_of_contacts_that_cannot_be_written_is_found_first(bed, tmp_path, capsys, suffix):
+    (tmp_path / f"out_contacts{suffix}").mkdir()
+    assert main(["export", str(bed), str(tmp_path / f"out{suffix}")]) == 2
+    assert f"out_contacts{suffix} is a folder" in capsys.readouterr().err
+    assert not (tmp_path / f"out{suffix}").exists()
+
+
 @pytest.mark.parametrize("suffix", NEEDS)
 def test_a_library_that_is_not_installed_is_named_with_its_extra(bed, tmp_path, capsys, monkeypatch, suffix):
     monkeypatch.setitem(sys.modules, NEEDS[suffix], None)

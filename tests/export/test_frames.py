@@ -9,6 +9,7 @@ from simcore.dem.ranks.one_rank import OneRank
 from simcore.dem.state.parts import assemble
 from simcore.export import frames
 from simcore.export.frames import FramesKeeper
+from simcore.export.paraview import contacts_path
 from simcore.packing.keeping import Keeper
 from simcore.packing.process import pack
 from simcore.scene.specification import resolve
@@ -126,6 +127,17 @@ def test_frames_before_a_checkpoint_remain_after_it_is_resumed(series, tmp_path)
     _, keeper, _ = keep_frames(tmp_path, Notes({"step": step}))
     keeper.latest()
     assert keeper.frames == [] and keeper.next == 0.0
+
+
+def test_frames_of_a_former_run_do_not_remain_in_the_series(tmp_path):
+    (tmp_path / "few_frames").mkdir()
+    (tmp_path / "few_frames" / "00999.vtp").touch()
+    (tmp_path / "few_frames" / "notes.txt").touch()
+    setup, keeper, ranks = keep_frames(tmp_path, Keeper())
+    pack(setup.scene, setup.bases, setup.draw, ranks=ranks, keeper=keeper)
+    listed = {file for _, path in keeper.frames for file in (path, contacts_path(path))}
+    assert len(listed) > 4 and {*(tmp_path / "few_frames").glob("*.vtp")} == listed
+    assert (tmp_path / "few_frames" / "notes.txt").exists()
 
 
 def test_a_full_disk_ends_the_frames_and_not_the_packing(tmp_path, monkeypatch):

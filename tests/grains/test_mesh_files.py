@@ -242,6 +242,7 @@ UNREADABLE = "the file cannot be read as a mesh"
         ("a.stl", stl_text()[:-40].encode(), UNREADABLE),
         ("a.stl", stl_text().replace("vertex 5", "vertex five", 1).encode(), UNREADABLE),
         ("a.stl", b"solid\nendsolid", UNREADABLE),
+        ("a.stl", BOX.export(file_type="stl_ascii")[:-40].encode(), f"{UNREADABLE}: the STL text has 12 facets and 11"),
         ("a.off", off_text()[:-14].encode(), UNREADABLE),
         ("a.off", off_text()[:-1].encode(), UNREADABLE),
         ("a.off", off_text(head="8").encode(), UNREADABLE),

@@ -34,7 +34,77 @@ COUNTS = (
 )
 NO_PAN = "; if the row has what passes the finest sieve, name it `pan`; if it is no sieve, remove the row"
 GROSS = "has the mass of the sieve in it; give the mass of the grains, which is the difference, in a column `mass [g]`"
+LOWER = (
+    "but the sieve is needed that retains a class; give that sieve, such as `opening [mm]`, or both bounds as "
+    "`from [mm]` and `to [mm]`"
+)
 SIEVES = [
+    Case(
+        "Korngröße bis [mm];Masse [g]\n63;8\n31,5;400\n16;700\n8;500\n",
+        error=f"the column Korngröße bis [mm] seems to have the upper sizes of classes, {LOWER}",
+    ),
+    Case(
+        "d < [mm],cumulative retained [%]\n16,0\n8,40\n4,100\n",
+        error=f"the column d < [mm] seems to have the upper sizes of classes, {LOWER}",
+    ),
+    Case(
+        "mean size [mm],mass [g]\n12,0\n6,40\n3,60\n",
+        error=f"the column mean size [mm] seems to have the mean sizes of classes, {LOWER}",
+    ),
+    Case("d < [mm];passing [%];remark\n16;100;\n8;40;\n4;0;\n", notice="columns that are not used: remark"),
+    Case(
+        'sieve [mm],mass [g]\n64,0\n32,"1,250"\n16,"2,310"\n4,85\npan,10\n',
+        error="row 3: mass [g] is '1,250'; if it is 1250, write it so, without a separator of thousands; if not, write "
+        "another number of decimals, such as 1,2500",
+    ),
+    Case(
+        "sieve [mm],mass [g]\n16,0\n8,100\n4,200\n<2,50\n",
+        error="row 5: sieve [mm] is '<2', but the finest sieve is 4 mm; add the sieve of 2 mm, or write `pan` if the "
+        "row has all that passes the finest sieve",
+    ),
+    Case(
+        "sieve [mm],mass [g]\n< 63 µm,50\n4,200\n8,100\n16,0\n",
+        error="row 2: sieve [mm] is '< 63 µm', but the finest sieve is 4 mm; add the sieve of 0.063 mm, or write `pan` "
+        "if the row has all that passes the finest sieve",
+    ),
+    Case(
+        "sieve [mm],mass [g]\n16,0\n8,100\n4.76,200\n< 4.75 mm,50\nsum,350\n",
+        notice="row 6 (sum) is no sieve and is left out",
+    ),
+    Case(
+        "phi,mass [g]\n5,0\n4,300\n3,500\n2,200\n",
+        notice="all sieves are finer than 1 mm, because phi is positive; for gravel phi is negative: if its sign was "
+        "left out, name the column `psi`",
+    ),
+    Case(
+        "psi,mass [g]\n-5,0\n-4,300\n-3,500\n-2,200\n",
+        notice="all sieves are finer than 1 mm, because psi is negative; for gravel psi is positive: if its sign was "
+        "left out, name the column `phi`",
+    ),
+    Case("sieve [mm],retained [%]\n16,0\n8,50\n4,39.5\npan,10\n", notice="retained [%] sums to 99.5 instead of 100"),
+    Case("sieve [mm],retained [%]\n16,0\n8,50\n4,40.5\npan,10\n", notice="retained [%] sums to 100.5 instead of 100"),
+    Case(
+        "sieve [mm],mass [g]\n>63,5\n31.5,30\n16,20\n<16,10\n",
+        error="row 2: sieve [mm] is '>63'; write 63: the row of a sieve has what stays on it",
+    ),
+    Case(
+        "sieve [in],mass [g]\n1 1/2,0\n1,30\n0.5,20\n",
+        error="row 2: sieve [in] is '1 1/2'; write a fraction as a decimal number, 1.5",
+    ),
+    Case(
+        "sieve [in],mass [g]\n1-1/2,0\n1½,30\n¾,20\n",
+        error="row 2: sieve [in] is '1-1/2'; write a fraction as a decimal number, 1.5; rows 3, 4 have errors too",
+    ),
+    Case(
+        "sieve [in],mass [g]\n2,0\n1½,30\n1,20\n",
+        error="row 3: sieve [in] is '1½'; write a fraction as a decimal number, 1.5",
+    ),
+    Case('sieve;mass [g]\n3";0\n1.5″;30\n0.75″;20\n', notice="nothing is taken to pass 19.05 mm"),
+    Case(
+        "Sieve size (mm)  Mass retained (g)\n16 0\n8 30\n4 20\n",
+        error="the columns Sieve and size are both sieve openings; remove one; blanks separate the columns, also "
+        "inside their names: separate the columns with semicolons or tabs",
+    ),
     Case(
         "Sieve size [mm],Sieve mass [g],Sieve + soil [g]\n16,350,350\n8,430,730\n4,420,580\n",
         error=f"the column Sieve + soil [g] {GROSS}",
@@ -680,6 +750,11 @@ GRAINS = [
         "Kiesprobe Isar km 120;;;\nDatum: 12.03.2021;;;\n;;;\nNr.;a [cm];b [cm];c [cm]\n1;1,45;1,03;0,40\n",
         notice="row 1, row 2 are above the names of the columns and are left out",
     ),
+    Case(
+        "mean_FL;std_FL;mean_EL;std_EL;grains\n.6;.1;.7;.1;40\n.6;.1;.7;.1;1\n",
+        error="row 3: a single grain has no standard deviation, but sample row 3 has one; correct the number of grains "
+        "or the deviations",
+    ),
     *[
         Case(f"mean_FL;std_FL;mean_EL;std_EL;{names}\n.6;.1;.7;.1;{first}\n.7;.1;.7;.1;{second}\n", notice=notice)
         for names, first, second, notice in [
@@ -688,7 +763,7 @@ GRAINS = [
             ("n", "0.31", "0.33", "the column n is not used, because 0.31 in row 2 is no number of grains"),
             ("count", "40", "", "the column count is not used, because row 3 has no number of grains"),
             ("n", "1", "2", "the column n numbers the rows, so it is not used as a number of grains"),
-            ("grains", "1", "2", "the column grains is the number of grains of each sample"),
+            ("grains", "2", "3", "the column grains is the number of grains of each sample"),
             ("grains", "40", "41", "the column grains is the number of grains of each sample"),
         ]
     ],
@@ -756,7 +831,15 @@ GRAINS = [
     Case("grain;lang;mittel;kurz\n1;14,5;10,3;4,0\n", notice="are not used: grain"),
     Case("grain;dL;dI;dS\n1;14,5;10,3;4,0\n", notice="are not used: grain"),
     Case("grain;L [cm];B [cm];H [cm]\n1;14,5;10,3;4,0\n", notice="are not used: grain"),
-    Case("L I S\n40 30\n", error="row 2: the row has 2 fields, but the header has 3; add or remove fields"),
+    Case(
+        "L I S\n40 30\n",
+        error="row 2: the row has 2 fields, but the header has 3; add or remove fields; blanks separate the columns, "
+        "also inside their names: separate the columns with semicolons or tabs",
+    ),
+    Case(
+        'sample,grains,mean_FL,std_FL,mean_EL,std_EL\nA,"1,200",0.6,0.1,0.7,0.1\nB,50,0.6,0.1,0.7,0.1\n',
+        error="row 2: grains is 1,200; write it without a separator of thousands",
+    ),
     Case("L;I;S;note\n40,5;30;10\n4.5;2;1\n4.125;2;1;wet\n", notice="columns that are not used: note"),
 ]
 

@@ -69,6 +69,9 @@ def test_one_bed_and_beds_of_one_form_are_tested(write, model, capsys):
     assert check.beds.name.tolist() == ["A", "B", "B (row 4)"] and check.scatter == pytest.approx(0.0264575, abs=1e-6)
 
 
+LEAVE_OUT = "leave out --models to compare with our models, or give a file that was fitted to such beds"
+
+
 def test_a_case_that_contradicts_the_model_is_an_error(write, model, tmp_path, capsys):
     path = write(f"A,0.35,{FORM}")
     for more in ([], ["--out", str(tmp_path / "new.json")]):
@@ -79,11 +82,11 @@ def test_a_case_that_contradicts_the_model_is_an_error(write, model, tmp_path, c
     head = HEAD.replace("n,", "case,n,")
     result = check_models(write(f"A,one-class,0.35,{FORM}", f"B,U7,0.3,{FORM}", head=head), model)
     assert [check.beds.name.tolist() for check in result.checks] == [["A"]]
-    assert result.left_out == [f"case U7: 1 row; {model} is for case U1"]
+    assert result.left_out == [f"case U7: 1 row; {model} is for case U1; {LEAVE_OUT}"]
     assert "Left out: case U7: 1 row;" in describe_check(result, path, model)
-    with pytest.raises(ValueError, match="new.csv: case U7: 1 row; .*model.json is for case U1$"):
+    with pytest.raises(ValueError, match=f"new.csv: case U7: 1 row; .*model.json is for case U1; {LEAVE_OUT}$"):
         check_models(write(f"B,U7,0.3,{FORM}", head=head), model)
-    with pytest.raises(ValueError, match="new.csv: 1 row with a sieve curve; .*model.json is for case U1$"):
+    with pytest.raises(ValueError, match=f"new.csv: 1 row with a sieve curve; .* is for case U1; {LEAVE_OUT}$"):
         check_models(write(f"A,0.35,{FORM}"), model, sieve=ROOT / "examples" / "sieve_curve.csv")
 
 

@@ -60,6 +60,10 @@ SPECIFIC = (
     ("with --finest", "in the field Finest grains"),
     ("with --coarsest", "in the field Coarsest grains"),
     ("leave out --coarsest", "leave the field Coarsest grains empty"),
+    (
+        "that of --case one-class, and that of the name U1 in a column of sieve curves",
+        "that of the sieve curve “any single sieve class”",
+    ),
 )
 
 

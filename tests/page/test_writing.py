@@ -22,7 +22,7 @@ def test_the_page_needs_no_other_file(page_file):
     text = page_file.read_text(encoding="utf-8")
     assert set(re.findall(r"https?://[^\"']*", text)) == {"http://www.w3.org/2000/svg"}  # a name, never fetched
     assert not re.search(r"<link|\bsrc=|@import|url\(|\bfetch\(|XMLHttpRequest|\bimport\(", text)
-    assert len(text.encode()) < 210_000
+    assert len(text.encode()) < 220_000
     assert not re.search(r"^\s*//", text, re.MULTILINE) and "const Grains = (() => {" in text
 
 
@@ -67,9 +67,13 @@ def test_every_identifier_of_the_scripts_is_in_the_template(page_file):
     assert set(re.findall(r'<label[^>]* for="([\w-]+)"', text)) <= identifiers
 
 
-def test_the_command_refuses_a_folder(tmp_path, capsys):
-    assert main(["page", str(tmp_path)]) != 0
-    assert "this is a folder; give the name of the page" in capsys.readouterr().err
+def test_the_command_refuses_a_folder_and_what_is_no_page(tmp_path, capsys):
+    (tmp_path / "page.html").mkdir()
+    (tmp_path / "bed.nc").write_text("a packing")
+    for name, message in (("page.html", "is a folder; give the name of a file in it"), ("bed.nc", "must end in .html")):
+        assert main(["page", str(tmp_path / name)]) == 2
+        assert message in capsys.readouterr().err
+    assert (tmp_path / "bed.nc").read_text() == "a packing"
 
 
 def test_models_of_measured_beds_are_refused(fitted):

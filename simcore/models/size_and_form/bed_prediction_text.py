@@ -93,7 +93,11 @@ def describe(beds, table, forms=None, level=0.95, fitted=NO_MODELS) -> str:
     ]
     outside = table[(table["outside"] != "") & (table["refused"] == "")]
     if len(outside):
-        lines += ["", "* outside the fitted range", *(f"  {row.sample}: {row.outside}" for row in outside.itertuples())]
+        lines += [
+            "",
+            "* outside the fitted range, or with a remark",
+            *(f"  {row.sample}: {row.outside}" for row in outside.itertuples()),
+        ]
     refused = table[table["refused"] != ""]
     if len(refused):
         lines += ["", "- not evaluated", *(f"  {row.sample}: {row.refused}" for row in refused.itertuples())]
@@ -168,7 +172,11 @@ def _about_grains(beds, table, fitted):
     known = [sample for sample in predicted if sample.name != UNKNOWN_FORMS]
     rows = predict_all_preferred(known, ONE_CLASS, one_class_models(fitted)) if known else []
     return [
-        *few_grains_caveats([sample.name for sample in samples], [sample.grains for sample in samples]),
+        *few_grains_caveats(
+            [sample.name for sample in samples],
+            [sample.grains for sample in samples],
+            [sample.one_form for sample in samples],
+        ),
         *few_grains_error_caveats(
             [sample.name for sample in known],
             [sample.one_form for sample in known],

@@ -13,17 +13,20 @@ def write_specification(path, curve, forms=None, column=None, finest=None, coars
     the Rhine's forms. draw: as in sieve_specification. ValueError if `forms` has several samples, or no forms for a
     sieve class that has mass.
     """
-    beds, _ = read_bed_forms(forms, curve, column, finest, coarsest)
-    samples = [sample for bed in beds for sample in bed.samples]
-    if len(samples) > 1:
-        raise ValueError(
-            f"{forms}: there are {len(samples)} samples, but --pack writes one specification; give one sample"
-        )
-    bed, sample, classes = beds[0], None, None
+    bed, sample, classes = read_one_sample(forms, curve, column, finest, coarsest), None, None
     if bed.by_class:
-        classes = samples[0][1]
+        classes = bed.samples[0][1]
     elif forms is not None:
-        sample = samples[0]
+        sample = bed.samples[0]
     text, notices = sieve_specification(bed.curve.without_empty_ends(), bed.source, sample, classes, draw=draw)
     Path(path).write_text(text, encoding="utf-8")
     return notices
+
+
+def read_one_sample(forms, curve, column=None, finest=None, coarsest=None):
+    """Return the BedForms of the only sample of the files; arguments and errors as in write_specification."""
+    beds, _ = read_bed_forms(forms, curve, column, finest, coarsest)
+    number = sum(len(bed.samples) for bed in beds)
+    if number > 1:
+        raise ValueError(f"{forms}: there are {number} samples, but --pack writes one specification; give one sample")
+    return beds[0]

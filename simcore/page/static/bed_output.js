@@ -1,10 +1,9 @@
 // What is shown and taken away of the porosity of beds with a sieve curve.
 const BedOutput = (() => {
-  const { byId, number, node, row } = Elements;
+  const { byId, number, marked, node, row } = Elements;
   const { general } = Numbers;
   const { model, rhine, columns } = DATA.curve;
 
-  const marked = (text) => text.replace(/(\d)\.(\d)/g, `$1${byId("mark").value}$2`);
   const interval = ({ lower, upper }) => `${number(lower)} to ${number(upper)}`;
 
   // Returns the paragraphs with the answer; byClass: whether each sieve class has its own form.

@@ -28,7 +28,7 @@ const BedSpecification = (() => {
       );
     }
     const text = `# Packs the sieve curve of ${source}. See what it costs:  scree explain THIS_FILE
-name: ${stem || "sieve"}
+name: "${stem || "sieve"}"
 seed: 1
 sizes:
   bounds: [${bounds.map((bound) => `${general(bound * 1e3, 6)} mm`).join(", ")}]

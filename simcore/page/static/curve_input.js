@@ -49,6 +49,10 @@ const CurveInput = (() => {
     const text = byId(id).value.trim().replace(/\s*mm$/i, "");
     if (!text) return null;
     const title = byId(id).labels[0].textContent;
+    if (/^\d+,\d{3}$/.test(text) && !text.startsWith("0,")) {
+      const [plain, decimal] = [text.replace(",", ""), text.replace(",", ".")];
+      throw new InputError(`${title} is '${byId(id).value}'; write ${plain} or ${general(Number(decimal))}, in mm`);
+    }
     const value = Numbers.NUMBER.test(text) ? Number(text.replace(",", ".")) : NaN;
     if (!(value > 0 && Number.isFinite(value))) {
       throw new InputError(`${title} is '${byId(id).value}'; give a size above 0, in mm`);

@@ -2,6 +2,7 @@
 const Elements = (() => {
   const byId = (id) => document.getElementById(id);
   const number = (value, digits = 3) => value.toFixed(digits).replace(".", byId("mark").value);
+  const marked = (text) => text.replace(/(\d)\.(\d)/g, `$1${byId("mark").value}$2`); // numbers in a text
 
   function node(name, text, kind) {
     const made = document.createElement(name);
@@ -27,5 +28,5 @@ const Elements = (() => {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   }
 
-  return { byId, number, node, row, download };
+  return { byId, number, marked, node, row, download };
 })();

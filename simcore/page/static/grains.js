@@ -136,6 +136,9 @@ const Grains = (() => {
     if (PERCENT.test(title)) return [null, [`the column ${title} is not used, because it is in percent`]];
     const texts = rows.map(({ row, cells }) => ({ row, text: cells[columns.counts] }));
     const other = texts.find(({ text }) => !WHOLE.test(text));
+    if (other && AMBIGUOUS.test(other.text) && !Columns.mayNumberRows(title)) {
+      throw new InputError(`${name}, row ${other.row}: ${title} is ${other.text}; write it without a separator of thousands`);
+    }
     if (other) {
       const given = other.text ? `${other.text} in row ${other.row} is no` : `row ${other.row} has no`;
       return [null, [`the column ${title} is not used, because ${given} number of grains`]];
@@ -395,9 +398,15 @@ const Grains = (() => {
           "rename or remove one"
       );
     }
-    const [{ values, row }] = entries;
+    const [{ values, row, where }] = entries;
     const [mu_FL, sigma_FL, mu_EL, sigma_EL] = values;
     const grains = counts ? counts.weights.get(row) : 0;
+    if (grains === 1 && (sigma_FL || sigma_EL)) {
+      throw new InputError(
+        `${where}: a single grain has no standard deviation, but ${noun} ${group} has one; correct the number of grains or ` +
+          "the deviations"
+      );
+    }
     const sample = { name: group, grains, forms: [], ...withEquancy(mu_FL, sigma_FL, mu_EL, sigma_EL) };
     return grains >= DATA.few_grains.fewest && !isOneForm(sample) ? { ...sample, covariance: meansCovariance(sample) } : sample;
   }

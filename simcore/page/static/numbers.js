@@ -5,7 +5,8 @@ const Numbers = (() => {
   const LEADING = /^[-+\u2212]?[\d.,]+(?:e[-+]?\d+)?/i;
   const IN_GROUPS = /^[-+\u2212]?[1-9]\d{0,2}(?:(?:\.\d{3})+|(?:,\d{3})+)$/;
   const SPLIT = /\d[ \u00a0\u202f'\u2019]\d/; // separators of thousands
-  const LARGE = /^[-+\u2212]?[1-9]\d{2,}$/; // a whole number that may be beside one with separators
+  const WHOLE = /^[-+\u2212]?[1-9]\d*$/; // it may be beside a number with separators
+  const LARGE = /^[-+\u2212]?[1-9]\d{2,}$/;
   const DECIMAL = /^[-+\u2212]?\d*[.,]\d+(?:e[-+]?\d+)?$/i;
   const MARKS = { ".": "a point", ",": "a comma" };
   const DATE = new RegExp(`^(?:${DATA.reading.date})$`, "iu");
@@ -33,7 +34,7 @@ const Numbers = (() => {
     }
     const commas = plain.split(",").length - 1;
     const points = plain.split(".").length - 1;
-    if ((commas && points) || commas > 1 || points > 1 || SPLIT.test(plain)) {
+    if (/\d/.test(plain) && ((commas && points) || commas > 1 || points > 1 || SPLIT.test(plain))) {
       throw new InputError(
         `${where}: ${name} is '${text}'; a number is needed, without separators of thousands; write its unit, if any, ` +
           "in the header"
@@ -58,10 +59,10 @@ const Numbers = (() => {
   }
 
   // Refuses separators of thousands, which would be read as a decimal mark: 1.410 where all other decimals have a comma,
-  // or where its column has whole numbers of three digits and no other decimals.
-  // columns: [position, name] of the columns with numbers.
-  function checkDecimalMarks(file, columns, rows) {
-    const [decimals, withDecimals, inGroups, large] = [new Map(), new Set(), [], new Set()];
+  // or where its column has whole numbers of three digits (in grams: of any) and no other decimals.
+  // columns: [position, name] of the columns with numbers. inGrams: positions of those with masses in grams.
+  function checkDecimalMarks(file, columns, rows, inGrams = []) {
+    const [decimals, withDecimals, inGroups, whole] = [new Map(), new Set(), [], new Set()];
     for (const { row, cells } of rows) {
       for (const [position, name] of columns) {
         const text = cells[position];
@@ -71,7 +72,7 @@ const Numbers = (() => {
         else if (DECIMAL.test(number)) {
           withDecimals.add(name);
           if (!decimals.has(mark)) decimals.set(mark, number);
-        } else if (LARGE.test(number)) large.add(name);
+        } else if ((inGrams.includes(position) ? WHOLE : LARGE).test(number)) whole.add(name);
       }
     }
     for (const { row, name, text, number, mark } of inGroups) {
@@ -83,7 +84,7 @@ const Numbers = (() => {
             "thousands"
         );
       }
-      if (!withDecimals.has(name) && large.has(name)) {
+      if (!withDecimals.has(name) && whole.has(name)) {
         throw new InputError(
           `${is}; if it is ${number.replaceAll(mark, "")}, write it so, without a separator of thousands; if not, write ` +
             `another number of decimals, such as ${number}0`

@@ -1,6 +1,6 @@
 // The page itself: reads the fields, predicts, and shows the results. The fields are the only state.
 const Page = (() => {
-  const { byId, number, node, download } = Elements;
+  const { byId, number, marked, node, download } = Elements;
   const OWN = "own"; // the choice of a sieve curve that the user gives
   const FIELDS = {
     case: "case", level: "level", mark: "mark", sample: "column", table: "table", name: "name",
@@ -167,7 +167,8 @@ const Page = (() => {
       const reasons = rows.map((row) => node("p", `${modelName(row)}: ${row.refused}.`));
       const none = rows.length
         ? "The porosity of this sample cannot be predicted: no model is evaluated."
-        : "No model was fitted to beds of this case with a distribution of form. Choose another case.";
+        : "No model was fitted to beds of this case with a distribution of form. Choose “your own” " +
+          "and enter this sieve curve: its model is valid for one form and for distributions.";
       return [node("p", none, "refused"), ...reasons];
     }
     const value = node("p", undefined, "value");
@@ -182,7 +183,7 @@ const Page = (() => {
     }
     if (best.outside) {
       const wider = Number.isNaN(best.lower) ? "" : ", so the interval is wider";
-      parts.push(node("p", `* Outside the fitted range${wider}: ${best.outside}.`, "outside"));
+      parts.push(node("p", `* Outside the fitted range${wider}: ${marked(best.outside)}.`, "outside"));
     }
     return parts;
   }
@@ -211,7 +212,7 @@ const Page = (() => {
     const all = [...lines, ...(best && isWide(byId("case").value) ? [BedOutput.states(best.n)] : []), ...literature];
     const refused = rows
       .filter((row) => row.refused)
-      .map((row) => node("p", `${modelName(row)} is not evaluated: ${row.refused}.`, "outside"));
+      .map((row) => node("p", `${modelName(row)} is not evaluated: ${marked(row.refused)}.`, "outside"));
     byId("literature").hidden = !literature.length || !lines.length;
     if (!lines.length) return refused;
     const label = `Porosity by each model: ${all.map((row) => row.label).join("; ")}`;
@@ -232,7 +233,7 @@ const Page = (() => {
         ["linear packing model", Packing.linear(sizes, fractions, oneClass.n)],
         [`compressible packing model, K = ${K}`, Packing.compressible(sizes, fractions, oneClass.n, K)],
       ];
-      rows.push(...models.map(([title, n]) => ({ n, label: `${title}: ${number(n)}`, kind: "packing" })));
+      rows.push(...models.map(([title, n]) => ({ n, label: `${marked(title)}: ${number(n)}`, kind: "packing" })));
     }
     for (const { name: author, n } of entry.predictors) {
       rows.push({ n, label: `${author}, sieve curve only: ${number(n)}`, kind: "empirical" });
@@ -278,8 +279,9 @@ const Page = (() => {
     }
     if (sample === Bed.RHINE) texts.push(`The grains are not measured; their form is taken as ${sample.name}.`);
     else if (!sample.grains) texts.push("If only means and deviations are given, FL and EL are assumed independent.");
+    if (sample.grains === 1) texts.push(`${DATA.reading.single_grain}.`);
     for (const { grains, words } of DATA.reading.few_grains) {
-      if (sample.grains > 1 && sample.grains < grains) texts.push(`Fewer than ${grains} grains ${words}.`);
+      if (!Grains.isOneForm(sample) && sample.grains > 1 && sample.grains < grains) texts.push(`Fewer than ${grains} grains ${words}.`);
     }
     if (stated && sample !== Bed.RHINE && !Grains.isOneForm(sample)) texts.push(stated);
     if (sample.mu_EQ > 1 / DATA.nearly_round.least_ratio) texts.push(DATA.nearly_round.text);
@@ -298,7 +300,8 @@ const Page = (() => {
       set(text, file.name, notices);
     } catch (error) {
       if (!(error instanceof Numbers.InputError)) throw error;
-      byId(place).textContent = `${error.message}.`;
+      const kept = byId(set === setCurve ? "sieves" : "table").value ? "; the former table is kept" : "";
+      byId(place).textContent = `${error.message}${kept}.`;
     }
   }
 
@@ -328,8 +331,8 @@ const Page = (() => {
   function fromAddress() {
     const state = Outputs.fromFragment(location.hash);
     const language = (1.5).toLocaleString().includes(",") ? "," : ".";
-    byId("mark").value = state.mark ?? language;
-    for (const key of ["case", "level"]) {
+    byId("mark").value = language;
+    for (const key of ["case", "level", "mark"]) {
       if ([...byId(key).options].some((option) => option.value === state[key])) byId(key).value = state[key];
     }
     for (const key of ["table", "name", "finest", "coarsest"]) byId(FIELDS[key]).value = state[key] ?? "";

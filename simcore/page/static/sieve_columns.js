@@ -41,6 +41,7 @@ const SieveColumns = (() => {
       const both = openings.slice(0, 2).map(({ position }) => header[position]).join(" and ");
       throw new InputError(`${name}: the columns ${both} are both sieve openings; remove one`);
     }
+    if (openings[0].position !== classes) checkLowerSize(name, header[openings[0].position], amounts);
     const kinds = amounts.map(({ meaning, unit }) => `${meaning} ${isMass(unit)}`);
     kinds.forEach((kind, i) => {
       const before = kinds.indexOf(kind);
@@ -49,6 +50,18 @@ const SieveColumns = (() => {
       throw new InputError(`${name}: the columns ${both} are both the amount ${amounts[i].meaning}; remove one`);
     });
     return { opening: openings[0].position, unit: openings[0].unit, amounts };
+  }
+
+  // Refuses the upper or mean sizes of classes if an amount is of the sieve below them.
+  function checkLowerSize(name, title, amounts) {
+    const [text] = splitUnit(title);
+    const words = plainWords(text);
+    const kind = have(words, "upper") || text.includes("<") ? "upper" : have(words, "mean_size") ? "mean" : null;
+    if (kind === null || amounts.every(({ meaning }) => meaning === PASSING)) return;
+    throw new InputError(
+      `${name}: the column ${title} seems to have the ${kind} sizes of classes, but the sieve is needed that retains a ` +
+        "class; give that sieve, such as `opening [mm]`, or both bounds as `from [mm]` and `to [mm]`"
+    );
   }
 
   // Returns what is wrong with a table without amounts: a column for each of several samples, counts of grains, or no numbers.
@@ -156,7 +169,7 @@ const SieveColumns = (() => {
   }
 
   return {
-    PHI, PERCENT, FRACTION, OPENING, RETAINED, PASSING, CUMULATIVE, OPENING_UNITS,
+    PHI, PSI, PERCENT, FRACTION, OPENING, RETAINED, PASSING, CUMULATIVE, OPENING_UNITS,
     countsGrains, isLength, isLogarithm, isMass, knownUnit, meaningOf, recognise, splitUnit, unitInName,
   };
 })();

@@ -1,9 +1,10 @@
 // Reads the openings of the sieves in a table, in mm, as simcore.grains.sieve_openings does.
 const SieveOpenings = (() => {
   const { InputError, general } = Numbers;
-  const { PHI, OPENING_UNITS } = SieveColumns;
+  const { PHI, PSI, OPENING_UNITS } = SieveColumns;
   const rules = DATA.curve.reading;
   const PAN = new RegExp(`^(?:${rules.patterns.pan})$`, "iu");
+  const [BELOW, ABOVE] = ["below", "above"].map((key) => new RegExp(`^(?:${rules.patterns[key]})$`, "u"));
   const WITH_UNIT = new RegExp(`^(?:${rules.patterns.with_unit})$`, "u");
   const COMMON_FRACTION = new RegExp(`^(?:${rules.patterns.fraction})$`, "u");
 
@@ -28,6 +29,10 @@ const SieveOpenings = (() => {
       const number = sieves.length ? "1 sieve" : "no sieves";
       throw new InputError(`${name}: the table has ${number}; at least two are needed`);
     }
+    if (pans.length) {
+      const pan = rows.find(({ row }) => row === pans[0]);
+      checkPan(`${name}, row ${pan.row}`, title, textOf(pan), columns.unit, Math.min(...sieves.map(({ size }) => size)));
+    }
     const largest = Math.max(...sieves.map(({ size }) => size));
     if (largest < rules.least_coarsest * 1e3) {
       throw new InputError(
@@ -38,6 +43,18 @@ const SieveOpenings = (() => {
     checkOrder(name, sieves, columns.unit);
     if (sieves[0].size > sieves[1].size) sieves.reverse();
     return { rows: sieves.map(({ row }) => row), openings: sieves.map(({ size }) => size), pan: pans[0] ?? null };
+  }
+
+  // Refuses a row of the pan with another size, such as "< 2", than the finest sieve [mm].
+  function checkPan(where, title, text, unit, finest) {
+    const below = BELOW.exec(text);
+    if (below === null || SieveColumns.isLogarithm(unit)) return;
+    const size = opening(where, title, below[1], unit);
+    if (Math.abs(size / finest - 1) <= rules.same_size) return;
+    throw new InputError(
+      `${where}: ${title} is '${text}', but the finest sieve is ${general(finest)} mm; add the sieve of ${general(size)} mm, ` +
+        "or write `pan` if the row has all that passes the finest sieve"
+    );
   }
 
   // Openings rise or fall. A single one without which the others do is wrong, or else the first unlike most of the steps.
@@ -67,7 +84,14 @@ const SieveOpenings = (() => {
     );
   }
 
-  function noticesOfSize(title, openings, passing) {
+  function noticesOfSize(title, unit, openings, passing) {
+    if (SieveColumns.isLogarithm(unit) && openings.at(-1) < 1) {
+      const [sign, ofGravel, other] = unit === PHI ? ["positive", "negative", PSI] : ["negative", "positive", PHI];
+      return [
+        `all sieves are finer than 1 mm, because ${title} is ${sign}; for gravel ${unit} is ${ofGravel}: if its sign was ` +
+          `left out, name the column \`${other}\``,
+      ];
+    }
     const largest = openings.find((_, i) => !(passing[i] < 1)) ?? openings.at(-1);
     if (largest <= 1e3 * rules.most_coarsest) return [];
     return [
@@ -82,6 +106,12 @@ const SieveOpenings = (() => {
       const is = text ? `${title} is '${text}', which is no size` : `${title} is empty`;
       throw new InputError(
         `${where}: ${is}; if the row has what passes the finest sieve, name it \`pan\`; if it is no sieve, remove the row`
+      );
+    }
+    const above = ABOVE.exec(text);
+    if (above) {
+      throw new InputError(
+        `${where}: ${title} is '${text}'; write ${above[1]}: the row of a sieve has what stays on it`
       );
     }
     let unit = unitOfColumn;
@@ -100,10 +130,12 @@ const SieveOpenings = (() => {
     if (/^(?:no|nr|#)/i.test(text)) {
       throw new InputError(`${where}: ${title} is '${text}', a number of a sieve; give its opening instead, in mm`);
     }
-    if (COMMON_FRACTION.test(text)) {
-      const [above, below] = text.split("/").map(Number);
+    const plain = [...text].map((sign) => (sign in rules.single_signs ? ` ${rules.single_signs[sign]}` : sign)).join("");
+    const fraction = COMMON_FRACTION.exec(plain.trim());
+    if (fraction) {
+      const [whole, numerator, denominator] = fraction.slice(1).map((part) => Number(part ?? 0));
       throw new InputError(
-        `${where}: ${title} is '${text}'; write a fraction as a decimal number, ${general(above / below)}`
+        `${where}: ${title} is '${text}'; write a fraction as a decimal number, ${general(whole + numerator / denominator)}`
       );
     }
     const value = Numbers.read(where, title, text);

@@ -16,7 +16,7 @@ const SieveTable = (() => {
       return { given, table, classes, recognised: SieveColumns.recognise(name, table, classes) };
     } catch (error) {
       if (!(error instanceof InputError)) throw error;
-      throw new InputError([error.message, ...file.notices].join("; "));
+      throw new InputError([error.message, ...Table.adviceOnNames(file.separator), ...file.notices].join("; "));
     }
   }
 
@@ -31,9 +31,10 @@ const SieveTable = (() => {
     const [rows, labels] = leaveOutTotals(table.rows, columns, notices);
     if (!rows.length) throw new InputError(`${name}: there are no rows below the header; ${rules.needed}`);
     const used = [columns.opening, ...columns.amounts.map(({ position }) => position)];
+    const inGrams = columns.amounts.filter(({ unit }) => unit === "g").map(({ position }) => position);
     const kept = new Set(rows.map(({ row }) => row));
     const written = given.rows.filter(({ row }) => kept.has(row)); // classes as they were before withLowerSieves
-    Numbers.checkDecimalMarks(name, used.map((position) => [position, given.header[position]]), written);
+    Numbers.checkDecimalMarks(name, used.map((position) => [position, given.header[position]]), written, inGrams);
     checkSamples(name, table, used);
     const sieves = SieveOpenings.read(name, table.header, rows, columns);
     let doubts = [];
@@ -73,7 +74,7 @@ const SieveTable = (() => {
       notices.push(`the columns ${title} and ${other.title} agree; ${title} is used`);
     }
     checkClasses(name, sieves.openings, passing);
-    const ofSize = SieveOpenings.noticesOfSize(table.header[columns.opening], sieves.openings, passing);
+    const ofSize = SieveOpenings.noticesOfSize(table.header[columns.opening], columns.unit, sieves.openings, passing);
     notices.push(...ofSize);
     const unused = table.header.flatMap((t, i) => (used.includes(i) ? [] : [t || `(column ${i + 1}, no name)`]));
     if (unused.length) notices.push(`columns that are not used: ${unused.join(", ")}`);
@@ -327,7 +328,7 @@ const SieveTable = (() => {
     const [low, high] = [sieves[used - 1], sieves[used]];
     throw new InputError(
       `${name}: all of the mass is between ${low} and ${high}; at least two size classes with mass are needed. The ` +
-        "porosity of a single class is that of --case one-class, and that of the name U1 in a column of sieve curves. To " +
+        "porosity of a single class is that of the sieve curve “any single sieve class”. To " +
         `pack it, write \`sizes: {bounds: [${low}, ${high}], mass_fractions: [1]}\` in a specification`
     );
   }

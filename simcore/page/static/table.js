@@ -58,8 +58,15 @@ const Table = (() => {
 
   // Returns what to do about a row with another number of fields than the header.
   function adviceOnFields(separator) {
+    if (separator === SPACES) return `add or remove fields; ${adviceOnNames(separator).join("")}`;
     const ofCommas = separator === "," ? ", and write decimals with a point, because commas separate the fields" : "";
     return `add or remove fields${ofCommas}`;
+  }
+
+  // Returns what to do about columns that were not recognised, if blanks separate them.
+  function adviceOnNames(separator) {
+    if (separator !== SPACES) return [];
+    return ["blanks separate the columns, also inside their names: separate the columns with semicolons or tabs"];
   }
 
   function leaveOutSettings(lines) {
@@ -190,5 +197,5 @@ const Table = (() => {
     return { header: pick(names), rows: picked, notices, separator };
   }
 
-  return { adviceOnFields, decode, read };
+  return { adviceOnFields, adviceOnNames, decode, read };
 })();

@@ -46,8 +46,10 @@ def draw_sizes(axes, packing):
     passing = np.cumsum(volume[order]) / volume.sum()
     axes.step(MM * size[order], 100.0 * passing, where="post", color=SLATE, label="grains of the packing")
     if "mass_fraction_specified" in packing:
-        bounds = packing["sieve_bounds"].values
-        share = np.append(0.0, np.cumsum(packing["mass_fraction_specified"].values))
+        shares = packing["mass_fraction_specified"].values
+        first, last = np.flatnonzero(shares)[[0, -1]]  # a case has empty classes at its ends
+        bounds = packing["sieve_bounds"].values[first : last + 1]
+        share = np.append(0.0, np.cumsum(shares[first : last + 1]))
         axes.plot(
             MM * np.append(bounds[:, 0], bounds[-1, 1]), 100.0 * share, "--", color=RUST, marker="o", mfc="white",
             label="specified sieve curve",

@@ -155,7 +155,7 @@ def test_any_column_names_the_samples(write, tmp_path):
     one = write("sample,sieve,FL,EL", "a,U5,0.6,0.7", "a,U5,0.7,0.8")
     assert main(["predict", str(one), "--pack", str(tmp_path / "bed.yaml")]) == 0
     text = (tmp_path / "bed.yaml").read_text()
-    assert "name: U5" in text and "bounds: [4 mm, 5.6 mm, 8 mm, 11.2 mm, 16 mm, 22.4 mm]" in text
+    assert 'name: "U5"' in text and "bounds: [4 mm, 5.6 mm, 8 mm, 11.2 mm, 16 mm, 22.4 mm]" in text
 
 
 @pytest.mark.parametrize(
