@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from simcore.campaign.plan import number_pieces
+from simcore.campaign.estimates import number_pieces
 from simcore.campaign.studies import expand, merge
 from simcore.packing.cost import estimate
 from simcore.packing.forecast import forecast, typical_grains
