@@ -11,9 +11,9 @@ means that the abstract gives.
 
 These sands have other forms than our grains and were packed in another way. Therefore the porosity of the best sorted
 sand of each grain size is given to each model, and the test is how the porosity decreases with sorting. Sorting is that
-of Trask, S0, the root of the ratio of the quartiles; the midpoint of each class is taken. The standard deviation of
-ln D is then ln(S0) / 0.6745. At which sizes the sands were cut is not known: here they are cut at two standard
-deviations, and the printed table shows what other cuts change. It takes about ten seconds.
+of Trask, S0, the root of the ratio of the quartiles; the midpoint of each class is taken. At which sizes the sands were
+cut is not known: here they are cut at two standard deviations of ln D, which is ln(S0) / 0.639 then, so that the cut
+curve has this sorting. The printed table shows what other cuts change. It takes about ten seconds.
 
 # ASSUME: the weights are normally distributed over the logarithm of size.
 """
@@ -56,9 +56,13 @@ def read_sands() -> pd.DataFrame:
     return sands.assign(log_deviation=deviation(sands["trask_sorting"]))
 
 
-def deviation(trask_sorting):
-    """Return the standard deviation of ln D of a log-normal curve with this sorting of Trask."""
-    return np.log(trask_sorting) / norm.ppf(0.75)
+def deviation(trask_sorting, cut=CUT):
+    """Return the standard deviation of ln D of the log-normal curve that has this sorting of Trask after the cut.
+
+    cut: as in log_normal.
+    """
+    beyond = norm.cdf(-cut)
+    return np.log(trask_sorting) / norm.ppf(beyond + 0.75 * (1.0 - 2.0 * beyond))
 
 
 @cache
@@ -105,11 +109,11 @@ def predicted(porosity, sands, cut=CUT) -> np.ndarray:
     """
     n = pd.Series(np.nan, sands.index)
     for _, rows in sands.groupby("grain_size", sort=False):
-        best = rows.loc[rows["log_deviation"].idxmin()]
-        one_class = one_class_of(porosity, log_normal(best.log_deviation, cut), best.n)
+        best = rows.loc[rows["trask_sorting"].idxmin()]
+        one_class = one_class_of(porosity, log_normal(deviation(best.trask_sorting, cut), cut), best.n)
         for index, row in rows.iterrows():
             try:
-                n[index] = float(porosity(log_normal(row.log_deviation, cut), one_class))
+                n[index] = float(porosity(log_normal(deviation(row.trask_sorting, cut), cut), one_class))
             except ValueError:  # outside the range of the model
                 n[index] = np.nan
     return n.to_numpy()

@@ -96,7 +96,7 @@ _SANDS_FIGURE = """![Porosity over that of the best sorted sand, against sorting
 sieve curves are wider than all beds whose errors the model states.*
 
 At which sizes the sands were cut is not known. They are cut here at two standard deviations on each side of the median,
-so that the coarsest grains of the last two curves are 160 and 5000 times as large as the finest ones. `python -m
+so that the coarsest grains of the last two curves are 210 and 8000 times as large as the finest ones. `python -m
 benchmarks.studies.sorted_sands` prints what other cuts change. Differences in the shaded part are therefore left open.
 """
 

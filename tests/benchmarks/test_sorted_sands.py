@@ -5,8 +5,10 @@ import pandas as pd
 import pytest
 
 from benchmarks.studies.sorted_sands import (
+    CUT,
     DATA,
     FROM_ABSTRACT,
+    OTHER_CUTS,
     OURS,
     TABLE,
     deviation,
@@ -27,7 +29,7 @@ from simcore.paths import REFERENCE
 def test_the_data_are_42_sands_of_seven_sizes_and_two_means():
     sands = read_sands()
     assert len(sands) == 42 and (sands.groupby("grain_size").size() == 6).all()
-    np.testing.assert_allclose(sands["log_deviation"].unique(), [0.072, 0.207, 0.389, 0.787, 1.267, 2.128], atol=6e-4)
+    np.testing.assert_allclose(sands["log_deviation"].unique(), [0.076, 0.219, 0.411, 0.830, 1.337, 2.246], atol=6e-4)
     data = pd.read_csv(REFERENCE / DATA)
     assert data["source"].str.contains("Beard and Weyl").all()
     # If the means of the abstract are those of eight sands, the omitted sand must be in the range of the others.
@@ -38,10 +40,11 @@ def test_the_data_are_42_sands_of_seven_sizes_and_two_means():
 
 @pytest.mark.parametrize("trask_sorting", [1.05, 1.7, 4.2])
 def test_a_log_normal_curve_has_its_sorting_and_its_width(trask_sorting):
-    curve = log_normal(deviation(trask_sorting), cut=4.0)
-    quartiles = np.log(quantile(curve, 0.75) / quantile(curve, 0.25))
-    assert 0.5 * quartiles == pytest.approx(np.log(trask_sorting), rel=0.04)  # classes of half a deviation
-    assert log2_deviation(curve) * np.log(2) == pytest.approx(deviation(trask_sorting), rel=0.04)
+    for size in (*OTHER_CUTS, CUT, 4.0):
+        curve = log_normal(deviation(trask_sorting, size), size)
+        quartiles = np.log(quantile(curve, 0.75) / quantile(curve, 0.25))
+        assert 0.5 * quartiles == pytest.approx(np.log(trask_sorting), rel=0.04)  # classes of up to half a deviation
+    assert log2_deviation(curve) * np.log(2) == pytest.approx(deviation(trask_sorting, 4.0), rel=0.04)
     cut = log_normal(deviation(trask_sorting))
     assert np.log(cut.largest / cut.least) == pytest.approx(4 * deviation(trask_sorting))
     assert np.exp(np.diff(np.log(cut.bounds))).max() <= 2 ** (1 / 8) + 1e-12
