@@ -1,5 +1,6 @@
 """Reads measured grains from files: meshes, point clouds, voxel images and spherical-harmonic coefficients."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ UNITS = {"m": 1.0, "mm": 1e-3}
 SHOWN_ERRORS = 5  # files of which a message describes the faults
 # Sieve sizes [m] that a grain may have. Sizes from 2 to 50 mm are outside if the other unit is given by mistake.
 SIZE_RANGE = (5e-5, 2.0)
+FINE = 5e-4  # [m]; a finer grain may be a cobble in metres whose unit is given as mm
 
 _MESHES = (".stl", ".ply", ".obj", ".off")
 _POINTS = (".xyz", ".csv")
@@ -91,6 +93,9 @@ def _make(path, name, body, unit):
             f"{path}: the grain {name} has a sieve size of {grain.sieve_size * 1e3:.3g} mm, outside {low * 1e3:g} to "
             f"{high * 1e3:g} mm; check that `unit` {unit!r} is right"
         )
+    if unit == "mm" and grain.sieve_size < FINE:
+        note = f"a sieve size below {FINE * 1e3:g} mm; if these are cobbles, the unit of the files is m instead of mm"
+        return replace(grain, notes=(*grain.notes, note))
     return grain
 
 

@@ -153,6 +153,13 @@ def test_units_wrong_by_a_thousand_are_refused(tmp_path, body, factor, unit):
             read_grain(tmp_path / "a.ply", unit)
 
 
+def test_a_cobble_in_metres_whose_unit_is_given_as_mm_has_a_note(tmp_path, body):
+    body.copy().apply_scale(0.12 / body.extents.max()).export(tmp_path / "cobble.ply")
+    (note,) = read_grain(tmp_path / "cobble.ply", "mm").notes
+    assert note == "a sieve size below 0.5 mm; if these are cobbles, the unit of the files is m instead of mm"
+    assert read_grain(tmp_path / "cobble.ply", "m").notes == ()
+
+
 @pytest.mark.parametrize("unit", [None, "", "inch"])
 def test_units_must_be_stated(tmp_path, body, unit):
     body.export(tmp_path / "a.ply")
