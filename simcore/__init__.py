@@ -36,6 +36,7 @@ Data flow in one direction: grains -> scene -> dem -> packing -> evaluation -> m
     provenance/    version of the code, machine, CPU time
 
     paths          paths of the files that are part of the project
+    writing        files that are written whole or not at all
     compilation    options and cache of numba
     __main__       the command line
 """
