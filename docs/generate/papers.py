@@ -246,7 +246,9 @@ def _second_feature():
 
 def _ellipsoids():
     row = _rows("models/shape_kinds").iloc[0]
-    return f"{row.case}, {row.forms} forms, 1 seed; U7 and B50 are not packed", (
+    rows = _rows("single_form").query("representation == 'ellipsoid' and case == @row.case")
+    seeds = int(rows.groupby("grain").size().min())
+    return f"{row.case}, {row.forms} forms, {seeds} seed{'s' * (seeds > 1)}; U7 and B50 are not packed", (
         f"ellipsoids and grains differ by {row.rms_difference:.4f} (root mean square), theirs by "
         f"{row.r22_rms_difference:.4f}"
     )

@@ -5,6 +5,7 @@ are read. No step and no bit of the result depends on it.
 """
 
 import math
+import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -17,6 +18,8 @@ from simcore.packing.keeping import KEEP, Keeper
 from simcore.packing.observation import observe
 from simcore.packing.packed import Packed
 from simcore.writing import whole_file
+
+_FRAME = re.compile(r"\d{5,}(?:_contacts)?\.vtp")
 
 
 class FramesKeeper(Keeper):
@@ -102,7 +105,8 @@ class FramesKeeper(Keeper):
         """Remove the frames of a former run, which programs would show as a part of this series."""
         kept = {file for _, path in self.frames for file in (path, contacts_path(path))}
         for path in set(self.folder.glob("*.vtp")) - kept:
-            path.unlink()
+            if _FRAME.fullmatch(path.name):
+                path.unlink()
 
 
 def _write_series(path, frames):

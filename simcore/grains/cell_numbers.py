@@ -6,7 +6,7 @@ from math import isfinite
 # A number at the beginning of a cell, before its unit; one that may have separators of thousands; one with decimals.
 _LEADING = re.compile(r"[-+\u2212]?[\d.,]+(?:[eE][-+]?\d+)?")
 _IN_GROUPS = re.compile(r"[-+\u2212]?[1-9]\d{0,2}(?:(?:\.\d{3})+|(?:,\d{3})+)")
-_WHOLE = re.compile(r"[-+\u2212]?[1-9]\d*")  # it may be beside a number with separators
+_WHOLE = re.compile(r"[-+\u2212]?[1-9]\d+")  # it may be beside a number with separators
 _LARGE = re.compile(r"[-+\u2212]?[1-9]\d{2,}")
 _DECIMAL = re.compile(r"[-+\u2212]?\d*[.,]\d+(?:[eE][-+]?\d+)?")
 _SPLIT = re.compile(r"\d[ \u00a0\u202f'\u2019]\d")
@@ -77,7 +77,7 @@ def check_decimal_marks(path, names, cells, in_grams=()):
     path: file, for the message. cells: DataFrame of str, its index is the row. names: dict from the columns of `cells`
     with numbers to their names. in_grams: those with masses in grams. A number such as 1.410 is refused if other cells
     have decimals behind a comma and none has decimals behind a point, or if its column has whole numbers of three
-    digits (in grams: of any number of digits) and no other decimals.
+    digits (in grams: of two) or more and no other decimals.
     """
     decimals, with_decimals, in_groups, whole = {}, set(), [], set()
     for row, *texts in cells[list(names)].itertuples(name=None):

@@ -382,7 +382,7 @@ def _from_means(name, entries, counts, noun):
     if grains == 1 and (sigma_FL or sigma_EL):
         raise ValueError(
             f"{entries[0][0]}: a single grain has no standard deviation, but {noun} {name} has one; correct the "
-            "number of grains or the deviations"
+            "number of grains or the deviations; if that column numbers the rows, rename it to `id`"
         )
     sample = Sample(name, grains, mu_FL, sigma_FL, mu_EL, sigma_EL, float(mu_EQ), sigma_EQ)
     if sample.one_form or grains < FEWEST_FOR_ERRORS:

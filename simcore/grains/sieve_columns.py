@@ -45,7 +45,7 @@ _OPENING_WORDS = {
 }  # fmt: skip
 # Words of a column with the upper, or the mean sizes of classes.
 _UPPER_WORDS = {
-    "upper", "max", "maximum", "smaller", "less", "below", "up", "bis", "kleiner", "obere", "oberer", "oberes",
+    "upper", "max", "maximum", "smaller", "less", "up", "bis", "kleiner", "obere", "oberer", "oberes",
     "oberen", "sup", "supérieur", "supérieure",
 }  # fmt: skip
 _MEAN_WORDS = {
@@ -162,10 +162,11 @@ def _check_lower_size(path, name, amounts):
     text = split_unit(name)[0]
     words = plain_words(text)
     kind = "upper" if words & _UPPER_WORDS or "<" in text else "mean" if words & _MEAN_WORDS else None
-    if kind and any(column.meaning != PASSING for column in amounts):
+    if kind and all(column.meaning != PASSING for column in amounts):
         raise ValueError(
             f"{path}: the column {name} seems to have the {kind} sizes of classes, but the sieve is needed that "
-            "retains a class; give that sieve, such as `opening [mm]`, or both bounds as `from [mm]` and `to [mm]`"
+            "retains a class; give that sieve, such as `opening [mm]`, or both bounds as `from [mm]` and `to [mm]`; "
+            "if the table has them, remove this column"
         )
 
 

@@ -14,8 +14,8 @@ MAX_COARSEST = 1.0  # [m]; larger sizes of grains may be in µm
 COMMON_FRACTION = re.compile(r"(?:([1-9]\d*)[ -])?([1-9]\d*) ?/ ?([1-9]\d*)")
 SINGLE_SIGNS = {"½": "1/2", "¼": "1/4", "¾": "3/4", "⅛": "1/8", "⅜": "3/8", "⅝": "5/8", "⅞": "7/8"}
 WITH_UNIT = re.compile(r'(.*?)\s*([a-zA-Zµμφϕ]+|["″”])\.?')
-SAME_SIZE = 0.01  # relative deviation of the size in a row such as "< 2" from the finest sieve
-BELOW = re.compile(r"< ?([\d.,]+ ?[a-zA-Zµμ]*)")  # a row of what passes a size
+SAME_SIZE = 0.05  # relative deviation of the size in a row such as "< 2"; standard sieves are farther apart
+BELOW = re.compile(r"<=? ?([\d.,]+) ?([a-zA-Zµμ]*)")  # a row of what passes a size
 ABOVE = re.compile(r"[>≥]=? ?(.*)")
 
 
@@ -86,9 +86,10 @@ def opening_rules():
 def _check_pan(where, name, text, unit, finest):
     """Raise ValueError if the row of the pan states another size, such as "< 2", than the finest sieve [m]."""
     below = BELOW.fullmatch(text)
-    if below is None or unit in LOGARITHMS:
+    own = known_unit(below[2]) if below and below[2] else unit  # another word, such as `< 2 pan`, is no unit
+    if below is None or own not in LENGTHS:
         return
-    size = _opening(where, name, below[1], unit)
+    size = _opening(where, name, below[1], own)
     if abs(size / finest - 1.0) > SAME_SIZE:
         raise ValueError(
             f"{where}: {name} is '{text}', but the finest sieve is {finest * 1e3:g} mm; add the sieve of "
@@ -139,7 +140,12 @@ def _opening(where, name, text, unit):
             "remove the row"
         )
     if above := ABOVE.fullmatch(text):
-        raise ValueError(f"{where}: {name} is '{text}'; write {above[1]}: the row of a sieve has what stays on it")
+        what = (
+            "a larger phi is a finer size: name the row `pan` if it has what passes the finest sieve"
+            if unit == PHI
+            else f"write {above[1]}: the row of a sieve has what stays on it"
+        )
+        raise ValueError(f"{where}: {name} is '{text}'; {what}")
     match = WITH_UNIT.fullmatch(text)
     own = known_unit(match[2]) if match else None
     if unit is None and match and own is None:

@@ -88,7 +88,7 @@ def _fit_campaign(single_forms, mixtures, seed, fitted):
         for case, rows in over_seeds(mixtures, "sample").groupby("case"):
             if ("form_mixture", case) in fitted:
                 continue
-            if (groups := groups_of_means(rows)) is not None:
+            if (groups := groups_of_means(rows, least=3)) is not None:
                 features = unified_features(rows)[list(MIXTURE)]
                 models["form_mixture", case] = fit_and_validate(features, rows.n, "form_mixture", case, seed, groups)
     if single_forms is not None and mixtures is not None:

@@ -41,7 +41,7 @@ from simcore.models.size_and_form.bed_prediction import (
     rhine_one_class,
     sized_model,
 )
-from simcore.models.size_and_form.curve_correction import correct_curves, describe_forms
+from simcore.models.size_and_form.curve_correction import correct_curves, describe_forms, form_numbers
 
 OURS, CORRECTED, LITERATURE = "size and form", "size and form, corrected", "literature"
 
@@ -51,9 +51,9 @@ class CurveFit:
     """The fit to the beds with sieve curves.
 
     beds: DataFrame with one row per bed: name, n, n_error (nan if unknown), repeats, curve (its name), ratio (`span` of
-    its sieve curve), n_one_class and predicted (by the model). agreement: as in CaseFit, also of the
-    models of the literature. base_error: mean absolute error of the model without a correction. The others as in
-    CaseFit.
+    its sieve curve), n_one_class, form (number of its form, from 0) and predicted (by the model). agreement: as in
+    CaseFit, also of the models of the literature. base_error: mean absolute error of the model without a correction.
+    The others as in CaseFit.
     """
 
     beds: pd.DataFrame
@@ -108,6 +108,7 @@ def fit_curves(measured, fitted):
     ]
     one_class = _of_one_class(plain)
     forms, form_model = describe_forms([bed.sample for bed in first_of], one_class)
+    beds = beds.assign(form=form_numbers([bed.sample for bed in first_of], one_class))
     constants = {"forms": forms, "form_model": form_model, "sized": model, "one_class": one_class}
     candidates = [_fit_correction(kind, beds, np.transpose(parts), constants) for kind in CORRECTIONS]
     candidates = [for_single_beds(item, beds.repeats, repeat_scatter) for item in candidates]

@@ -105,15 +105,18 @@ def sentences(fit):
 
 def _shared_by_form(fit):
     """Return a sentence on the error that beds of one form share, if a form has several beds, as a list."""
-    forms, of_form = len(fit.model.forms), fit.model.one_class.models[tuple(fit.model.form_model)].scatter
-    if forms == len(fit.beds):
+    of_form = fit.model.one_class.models[tuple(fit.model.form_model)].scatter
+    errors = (fit.beds.predicted - fit.beds.n).groupby(fit.beds.form)
+    counts, total = errors.size(), len(fit.beds)
+    if counts.max() == 1:
         return []
-    bias = fit.agreement.iloc[0]
-    error = np.sqrt(bias.bias_error**2 + of_form**2 / forms)
+    within = ((errors.size() - 1) * errors.var().fillna(0.0)).sum() / (total - len(counts))
+    error = np.sqrt(of_form**2 * (counts**2).sum() / total**2 + within / total)
+    bias_error = fit.agreement.iloc[0].bias_error
     return [
-        f"Beds of one form share the error of its one-class porosity, whose standard deviation is {of_form:.4f}. The "
-        "errors of the bias and of the coefficients do not contain it, because they are for the forms of these beds. "
-        f"For other forms the standard error of the bias is {error:.4f} instead of {bias.bias_error:.4f}."
+        f"Beds of one form share the error of its one-class porosity, whose standard deviation is {of_form:.4f}. If "
+        f"the bias is to be that of beds of other forms too, its standard error is {error:.4f} instead of "
+        f"{bias_error:.4f}, and the confidence intervals of the coefficients are too narrow likewise."
     ]
 
 

@@ -20,6 +20,7 @@ from simcore.reference.columns import SPECIFIED_MEANS
 log = logging.getLogger(__name__)
 
 MIXTURE = ("mu_EQ_inv", "sigma_EQ_inv", "mu_EL_inv", "sigma_EL_inv")
+FEWEST_MEANS = len(MIXTURE) + 2  # with fewer mean forms, those that remain hardly determine the coefficients
 # Feature sets of Table 10 of Rettinger et al. (2022).
 MIXTURE_SETS = (
     ("mu_EQ_inv",),
@@ -35,13 +36,14 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
     """Fit the models of form mixtures, per case; returns (tables, models) as single_form_models does.
 
     packings: one row per packing, columns case, n and the 104 of mixture_features; if there is a column sample, the
-    packings of a sample are averaged first. If there are columns mean_FL and mean_EL, sets of one mean form are left
-    out of a model together, as for the unified model, so that their errors can be compared; the errors of the feature
-    sets are those of single sets, as in Table 10. Tables: `correlations` of all usable features, the strongest first,
-    `feature_sets` (the sets of Table 10 with cross-validated errors and R² of the fit to all packings), `models`.
-    A set is left out with a logged warning if one of its features cannot be used or it has too few packings for its
-    coefficients. folds: number of folds of the cross-validation. r22_correlations, r22_sets, r22_models: tables
-    correlations.csv, table10_form_mixture_features.csv and models.csv of Rettinger et al. (2022).
+    packings of a sample are averaged first. If there are columns mean_FL and mean_EL with FEWEST_MEANS mean forms or
+    more, sets of one mean form are left out of a model together, as for the unified model, so that their errors can be
+    compared; the errors of the feature sets are those of single sets, as in Table 10. Tables: `correlations` of all
+    usable features, the strongest first, `feature_sets` (the sets of Table 10 with cross-validated errors and R² of the
+    fit to all packings), `models`. A set is left out with a logged warning if one of its features cannot be used or it
+    has too few packings for its coefficients. folds: number of folds of the cross-validation. r22_correlations,
+    r22_sets, r22_models: tables correlations.csv, table10_form_mixture_features.csv and models.csv of Rettinger et al.
+    (2022).
     """
     correlations, sets, models = [], [], {}
     for case, rows in over_seeds(packings, "sample").groupby("case", sort=False):
@@ -93,15 +95,15 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
     return tables, models
 
 
-def groups_of_means(rows):
+def groups_of_means(rows, least=FEWEST_MEANS):
     """Return the labels (n,) of sets of one mean form, which are left out of a fit together.
 
-    None if rows has no columns mean_FL and mean_EL, or if too few sets would remain for a fit of MIXTURE.
+    None if rows has no columns mean_FL and mean_EL, fewer than `least` mean forms, or too few other sets for a fit.
     """
     if not set(SPECIFIED_MEANS) <= set(rows):
         return None
     groups = rows.groupby(list(SPECIFIED_MEANS)).ngroup()
-    few = groups.nunique() <= 2 or len(rows) - groups.value_counts().max() <= len(MIXTURE) + 1
+    few = groups.nunique() < least or len(rows) - groups.value_counts().max() <= len(MIXTURE) + 1
     return None if few else groups
 
 

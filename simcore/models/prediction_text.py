@@ -32,8 +32,8 @@ FEW_WORDS = {
 }
 
 SINGLE_GRAIN = (
-    "All grains of a bed or class are taken to have the form of its single measured grain. If they differ, the "
-    "interval does not contain the error of the form"
+    "a single grain was measured, and all grains are taken to have its form. If they differ, the interval does not "
+    "contain the error of the form"
 )
 
 
@@ -174,7 +174,7 @@ def few_grains_caveats(names, grains, of_one_form) -> list[str]:
     names, grains, differ = np.asarray(names), np.asarray(grains), ~np.asarray(of_one_form, bool)
     lines = []
     if single := dict.fromkeys(names[grains == 1]):
-        lines.append(f"{SINGLE_GRAIN}: {join_first([str(name) for name in single], SHOWN)}.")
+        lines.append(f"{join_first([str(name) for name in single], SHOWN)}: {SINGLE_GRAIN}.")
     for number, text in FEW_WORDS.items():
         few = dict.fromkeys(names[differ & (grains > 1) & (grains < number)])
         if few:

@@ -84,3 +84,20 @@ def test_ellipsoids_near_spheres():
     # Chi-squared of the five beds from 1.6 on about their mean has four degrees of freedom; 9.5 is exceeded in 5 %.
     flat, weights = n.iloc[6:], error.iloc[6:] ** -2
     assert (weights * (flat - np.average(flat, weights=weights)) ** 2).sum() < 9.5
+
+
+def test_ellipsoids_of_the_same_axes():
+    rows = pd.read_csv(REFERENCE / "single_form.csv").query("source == 'synthetic' and case == 'U1'")
+    seeds = rows.query("representation == 'ellipsoid'").groupby("grain").size()
+    assert len(seeds) == 63 and seeds.nunique() == 1
+    means = rows.groupby(["grain", "representation"])["n"].mean().unstack()
+    ratio, difference = (rows["L"] / rows["S"]).groupby(rows["grain"]).first(), means["ellipsoid"] - means["polyhedron"]
+    section = " ".join(PAGE.partition("## Ellipsoids of the same axes")[2].partition("## Ellipsoids near")[0].split())
+    words = {1: "one seed", 2: "two seeds"}[seeds.iloc[0]]
+    assert f"Ellipsoids of the 63 synthetic forms have {words} and" in section
+    assert f"root mean square is {np.sqrt((difference**2).mean()):.4f}" in section
+    bounds = [0.0, 1.5, 2.0, 2.5, np.inf]
+    names = ["below 1.5", "1.5 to 2", "2 to 2.5", "above 2.5"]
+    for name, group in difference.groupby(pd.cut(ratio, bounds, right=False, labels=names), observed=True):
+        mean, error = group.mean(), group.std() / np.sqrt(len(group))
+        assert f"| {name} | {len(group)} | {mean:+.3f} ± {error:.3f} |".replace("-", "−") in section

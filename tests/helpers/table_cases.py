@@ -36,7 +36,7 @@ NO_PAN = "; if the row has what passes the finest sieve, name it `pan`; if it is
 GROSS = "has the mass of the sieve in it; give the mass of the grains, which is the difference, in a column `mass [g]`"
 LOWER = (
     "but the sieve is needed that retains a class; give that sieve, such as `opening [mm]`, or both bounds as "
-    "`from [mm]` and `to [mm]`"
+    "`from [mm]` and `to [mm]`; if the table has them, remove this column"
 )
 SIEVES = [
     Case(
@@ -50,6 +50,26 @@ SIEVES = [
     Case(
         "mean size [mm],mass [g]\n12,0\n6,40\n3,60\n",
         error=f"the column mean size [mm] seems to have the mean sizes of classes, {LOWER}",
+    ),
+    Case(
+        "Maximum grain size [mm],passing [%],retained [%]\n16,100,0\n8,60,40\n4,0,60\n",
+        notice="the columns passing [%] and retained [%] agree; passing [%] is used",
+    ),
+    *[
+        Case(
+            f"sieve [mm],mass [g]\n16,0\n8,100\n0.063,200\n{pan},50\nsum,350\n",
+            notice="row 6 (sum) is no sieve and is left out",
+        )
+        for pan in ("<0.063 pan", "< 0.06", "<= 0.063", "< 63 µm", "< 63 µm silt")
+    ],
+    Case(
+        "phi,mass [g]\n-4,0\n-3,20\n-1,40\n4,30\n>4,10\n",
+        error="row 6: phi is '>4'; a larger phi is a finer size: name the row `pan` if it has what passes the "
+        "finest sieve",
+    ),
+    Case(
+        "sieve [mm],mass [g]\n16,0\n8,12.345\n4,7.812\n2,3\npan,1.204\ntotal,24.361\n",
+        notice="row 7 (total) is no sieve and is left out",
     ),
     Case("d < [mm];passing [%];remark\n16;100;\n8;40;\n4;0;\n", notice="columns that are not used: remark"),
     Case(
@@ -753,7 +773,7 @@ GRAINS = [
     Case(
         "mean_FL;std_FL;mean_EL;std_EL;grains\n.6;.1;.7;.1;40\n.6;.1;.7;.1;1\n",
         error="row 3: a single grain has no standard deviation, but sample row 3 has one; correct the number of grains "
-        "or the deviations",
+        "or the deviations; if that column numbers the rows, rename it to `id`",
     ),
     *[
         Case(f"mean_FL;std_FL;mean_EL;std_EL;{names}\n.6;.1;.7;.1;{first}\n.7;.1;.7;.1;{second}\n", notice=notice)

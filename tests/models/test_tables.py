@@ -9,7 +9,8 @@ import xarray as xr
 
 from simcore.grains.statistics import equancy_statistics, flatness_statistics, mixture_features
 from simcore.models.files import models_dataset, read_models, table_dataset
-from simcore.models.mixtures import application_table, mixture_models
+from simcore.models.mixtures import FEWEST_MEANS, MIXTURE, application_table, mixture_models
+from simcore.models.regression import fit_and_validate
 from simcore.models.shape_kinds import shape_kind_table
 from simcore.models.single_form import single_form_models
 from simcore.models.tables import over_seeds
@@ -89,6 +90,19 @@ def test_forms_that_do_not_differ_are_refused(single_form_packings):
     same = single_form_packings.assign(L=2.0, I=1.0, S=0.5)
     with pytest.raises(ValueError, match="EQ_inv, EL_inv is the same"):
         single_form_models(same)
+
+
+@pytest.mark.parametrize("means", [FEWEST_MEANS - 1, FEWEST_MEANS])
+def test_sets_of_one_mean_form_are_left_out_of_a_mixture_model_together(mixture_packings, means):
+    """With too few mean forms, those that remain hardly determine the coefficients; each set is then left out alone."""
+    specified = mixture_packings.assign(mean_FL=np.arange(20) % means / 10.0, mean_EL=0.7)
+    tables, models = mixture_models(specified)
+    assert not {"mean_FL", "mean_EL"} & set(tables["correlations"]["feature"])
+    groups = specified["mean_FL"] if means == FEWEST_MEANS else None
+    expected = fit_and_validate(mixture_packings[list(MIXTURE)], specified["n"], "form_mixture", "U1", groups=groups)
+    assert models["form_mixture", "U1"] == expected
+    plain, _ = mixture_models(mixture_packings)
+    pd.testing.assert_frame_equal(plain["feature_sets"], tables["feature_sets"])
 
 
 def test_mixture_models_recover_their_coefficients(mixture_packings):

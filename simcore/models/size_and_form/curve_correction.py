@@ -111,9 +111,20 @@ def read_correction(values, one_class):
 
 def describe_forms(samples, one_class):
     """Return (forms, form_model) of CurveCorrection for the samples of the measured beds; one_class: FittedModels."""
+    features, key = _features(samples, one_class)
+    return tuple(map(tuple, features.drop_duplicates().to_numpy().tolist())), key
+
+
+def form_numbers(samples, one_class):
+    """Return for each sample the place (s,) of its form among the forms of describe_forms."""
+    features, _ = _features(samples, one_class)
+    return features.groupby(list(features), sort=False).ngroup().to_numpy()
+
+
+def _features(samples, one_class):
+    """Return the features that describe a form, one row per sample, and the key of their model."""
     key = next((key for key in one_class.models if key[0] == "unified"), next(iter(one_class.models)))
-    features = sample_features(samples)[list(one_class.models[key].features)]
-    return tuple(map(tuple, features.round(9).drop_duplicates().to_numpy().tolist())), key
+    return sample_features(samples)[list(one_class.models[key].features)].round(9), key
 
 
 def correct_curves(kind, predicted, porosity, errors, **constants):

@@ -404,7 +404,7 @@ const Grains = (() => {
     if (grains === 1 && (sigma_FL || sigma_EL)) {
       throw new InputError(
         `${where}: a single grain has no standard deviation, but ${noun} ${group} has one; correct the number of grains or ` +
-          "the deviations"
+          "the deviations; if that column numbers the rows, rename it to `id`"
       );
     }
     const sample = { name: group, grains, forms: [], ...withEquancy(mu_FL, sigma_FL, mu_EL, sigma_EL) };

@@ -5,7 +5,7 @@ const Numbers = (() => {
   const LEADING = /^[-+\u2212]?[\d.,]+(?:e[-+]?\d+)?/i;
   const IN_GROUPS = /^[-+\u2212]?[1-9]\d{0,2}(?:(?:\.\d{3})+|(?:,\d{3})+)$/;
   const SPLIT = /\d[ \u00a0\u202f'\u2019]\d/; // separators of thousands
-  const WHOLE = /^[-+\u2212]?[1-9]\d*$/; // it may be beside a number with separators
+  const WHOLE = /^[-+\u2212]?[1-9]\d+$/; // it may be beside a number with separators
   const LARGE = /^[-+\u2212]?[1-9]\d{2,}$/;
   const DECIMAL = /^[-+\u2212]?\d*[.,]\d+(?:e[-+]?\d+)?$/i;
   const MARKS = { ".": "a point", ",": "a comma" };
@@ -59,7 +59,7 @@ const Numbers = (() => {
   }
 
   // Refuses separators of thousands, which would be read as a decimal mark: 1.410 where all other decimals have a comma,
-  // or where its column has whole numbers of three digits (in grams: of any) and no other decimals.
+  // or where its column has whole numbers of three digits (in grams: of two) or more and no other decimals.
   // columns: [position, name] of the columns with numbers. inGrams: positions of those with masses in grams.
   function checkDecimalMarks(file, columns, rows, inGrams = []) {
     const [decimals, withDecimals, inGroups, whole] = [new Map(), new Set(), [], new Set()];

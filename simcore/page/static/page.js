@@ -164,7 +164,7 @@ const Page = (() => {
 
   function answer(sample, best, rows) {
     if (!best) {
-      const reasons = rows.map((row) => node("p", `${modelName(row)}: ${row.refused}.`));
+      const reasons = rows.map((row) => node("p", `${modelName(row)}: ${marked(row.refused)}.`));
       const none = rows.length
         ? "The porosity of this sample cannot be predicted: no model is evaluated."
         : "No model was fitted to beds of this case with a distribution of form. Choose “your own” " +
@@ -279,7 +279,7 @@ const Page = (() => {
     }
     if (sample === Bed.RHINE) texts.push(`The grains are not measured; their form is taken as ${sample.name}.`);
     else if (!sample.grains) texts.push("If only means and deviations are given, FL and EL are assumed independent.");
-    if (sample.grains === 1) texts.push(`${DATA.reading.single_grain}.`);
+    if (sample.grains === 1) texts.push(`${DATA.reading.single_grain}.`.replace(/^a/, "A"));
     for (const { grains, words } of DATA.reading.few_grains) {
       if (!Grains.isOneForm(sample) && sample.grains > 1 && sample.grains < grains) texts.push(`Fewer than ${grains} grains ${words}.`);
     }

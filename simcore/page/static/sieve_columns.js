@@ -57,10 +57,11 @@ const SieveColumns = (() => {
     const [text] = splitUnit(title);
     const words = plainWords(text);
     const kind = have(words, "upper") || text.includes("<") ? "upper" : have(words, "mean_size") ? "mean" : null;
-    if (kind === null || amounts.every(({ meaning }) => meaning === PASSING)) return;
+    if (kind === null || amounts.some(({ meaning }) => meaning === PASSING)) return;
     throw new InputError(
       `${name}: the column ${title} seems to have the ${kind} sizes of classes, but the sieve is needed that retains a ` +
-        "class; give that sieve, such as `opening [mm]`, or both bounds as `from [mm]` and `to [mm]`"
+        "class; give that sieve, such as `opening [mm]`, or both bounds as `from [mm]` and `to [mm]`; if the table has them, remove " +
+        "this column"
     );
   }
 

@@ -48,8 +48,9 @@ const SieveOpenings = (() => {
   // Refuses a row of the pan with another size, such as "< 2", than the finest sieve [mm].
   function checkPan(where, title, text, unit, finest) {
     const below = BELOW.exec(text);
-    if (below === null || SieveColumns.isLogarithm(unit)) return;
-    const size = opening(where, title, below[1], unit);
+    const own = below?.[2] ? SieveColumns.knownUnit(below[2]) : unit; // another word, such as `< 2 pan`, is no unit
+    if (below === null || !SieveColumns.isLength(own)) return;
+    const size = opening(where, title, below[1], own);
     if (Math.abs(size / finest - 1) <= rules.same_size) return;
     throw new InputError(
       `${where}: ${title} is '${text}', but the finest sieve is ${general(finest)} mm; add the sieve of ${general(size)} mm, ` +
@@ -110,9 +111,11 @@ const SieveOpenings = (() => {
     }
     const above = ABOVE.exec(text);
     if (above) {
-      throw new InputError(
-        `${where}: ${title} is '${text}'; write ${above[1]}: the row of a sieve has what stays on it`
-      );
+      const what =
+        unitOfColumn === PHI
+          ? "a larger phi is a finer size: name the row `pan` if it has what passes the finest sieve"
+          : `write ${above[1]}: the row of a sieve has what stays on it`;
+      throw new InputError(`${where}: ${title} is '${text}'; ${what}`);
     }
     let unit = unitOfColumn;
     const match = WITH_UNIT.exec(text);

@@ -22,4 +22,4 @@ def save_figure(figure, paths, test_only=False):
     for path in [paths] if isinstance(paths, str | Path) else paths:
         suffix = Path(path).suffix.lower()
         with rc_context(VECTOR), whole_file(path) as part:
-            figure.savefig(part, format=suffix[1:], dpi=RESOLUTION, metadata=_DATES.get(suffix))
+            figure.savefig(part, format=suffix[1:] or None, dpi=RESOLUTION, metadata=_DATES.get(suffix))
