@@ -96,6 +96,14 @@ def test_ellipsoids_of_the_same_axes():
     words = {1: "one seed", 2: "two seeds"}[seeds.iloc[0]]
     assert f"Ellipsoids of the 63 synthetic forms have {words} and" in section
     assert f"root mean square is {np.sqrt((difference**2).mean()):.4f}" in section
+    means_by_ratio = (
+        means["ellipsoid"].groupby(pd.cut(ratio, np.arange(1.0, 5.0, 0.2), right=False), observed=True).mean()
+    )
+    assert means_by_ratio.idxmin().left == pytest.approx(1.6)
+    assert f"densest for L/S of 1.6 to 1.8, with a mean porosity of {means_by_ratio.min():.3f}" in section
+    by_seed = rows.query("representation == 'ellipsoid'").pivot(index="grain", columns="seed", values="n")
+    change = by_seed[2] - by_seed[1]
+    assert f"by {change.mean():+.4f} ± {change.std() / np.sqrt(len(change)):.4f} on average" in section
     bounds = [0.0, 1.5, 2.0, 2.5, np.inf]
     names = ["below 1.5", "1.5 to 2", "2 to 2.5", "above 2.5"]
     for name, group in difference.groupby(pd.cut(ratio, bounds, right=False, labels=names), observed=True):
