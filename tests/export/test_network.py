@@ -36,7 +36,7 @@ def test_two_contacts_of_two_grains_are_two_edges(tmp_path):
     export(packing, tmp_path / "bed.graphml")
     network = networkx.read_graphml(tmp_path / "bed.graphml", force_multigraph=True)
     ids = re.findall(r'<edge [^>]*id="([^"]*)"', (tmp_path / "bed.graphml").read_text(encoding="utf-8"))
-    assert len(set(ids)) == 2, "Gephi ignores an edge whose id it has"
+    assert len(set(ids)) == 2, "Gephi is reported to ignore an edge whose id it has"
     assert sorted(edge["image_x"] for edge in network.get_edge_data("0", "1").values()) == [0, 1]
 
 
