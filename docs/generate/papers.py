@@ -95,11 +95,12 @@ def _study(study):
 def _apart_by_case(cases, differences, in_errors):
     """Describe the range of differences of each case and the largest one in standard errors; empty without any."""
     table = pd.DataFrame({"case": cases, "apart": differences, "z": in_errors}).dropna()
-    return "; ".join(
-        f"{case} {_signed(rows['apart'].min(), 3)} to {_signed(rows['apart'].max(), 3)} "
-        f"(up to {rows['z'].abs().max():.1f} standard errors)"
-        for case, rows in table.groupby("case", sort=False)
-    )
+    texts = []
+    for case, rows in table.groupby("case", sort=False):
+        ends = list(dict.fromkeys(_signed(value, 3) for value in (rows["apart"].min(), rows["apart"].max())))
+        up_to = "up to " if len(rows) > 1 else ""
+        texts.append(f"{case} {' to '.join(ends)} ({up_to}{rows['z'].abs().max():.1f} standard errors)")
+    return "; ".join(texts)
 
 
 def _not_packed(study):
