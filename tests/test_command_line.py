@@ -189,6 +189,16 @@ def test_a_written_specification_is_named(folder, capsys, monkeypatch):
     assert "bed.yaml is written; `scree pack bed.yaml bed.nc` packs this bed" in capsys.readouterr().err
 
 
+def test_pack_with_several_samples_is_refused_before_the_prediction(folder, capsys, monkeypatch):
+    monkeypatch.chdir(folder)
+    shutil.copy(ROOT / "examples" / "sieve_curve.csv", "curve.csv")
+    (folder / "two.csv").write_text("sample,FL,EL\na,0.6,0.7\nb,0.5,0.7\n")
+    words = ["predict", "two.csv", "--sieve", "curve.csv", "--finest", "2 mm", "--pack", "two.yaml"]
+    assert main(words) == 2
+    printed = capsys.readouterr()
+    assert printed.out == "" and "two.csv: there are 2 samples, but --pack writes one specification" in printed.err
+
+
 def test_an_interrupted_command_ends_without_a_traceback(folder, capsys, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt

@@ -116,10 +116,9 @@ def fabric_over_seeds(fabrics, names=None):
     """Return means over packings of one scene with different seeds, with standard errors over the seeds, Dataset.
 
     fabrics: two or more Datasets from fabric(), with the same variables. names: of each one in messages, such as its
-    file; None: "fabric 1" and so on. Invariants of the tensor are those of the mean
-    tensor, and their standard errors are by jackknife. Numbers of grains and vectors are sums over all packings.
-    *_of_seed, over `seed`, are the values of the single packings. ValueError if the scenes differ in more than their
-    seed, or have the same seed or none.
+    file; None: "fabric 1" and so on. Invariants of the tensor are those of the mean tensor, and their standard errors
+    are by jackknife. Numbers of grains and vectors are sums over all packings. *_of_seed, over `seed`, are the values
+    of the single packings. ValueError if the scenes differ in more than their seed, or have the same seed or none.
     """
     fabrics = list(fabrics)
     seeds = _check_scenes(fabrics, names or [f"fabric {k}" for k in range(1, len(fabrics) + 1)])

@@ -112,6 +112,11 @@ def test_usual_headers_of_a_fraction_are_read(read, header):
     assert read(f"FL,EL,{header}\n0.5,0.7,0.36\n", "U1")[0][0].n == 0.36
 
 
+def test_cells_may_repeat_the_percent_of_their_header(read):
+    (bed,), _ = read("FL,EL,n [%],n_error [%]\n0.5,0.7,36 %,0.4%\n", "U1")
+    assert (bed.n, bed.n_error) == (pytest.approx(0.36), pytest.approx(0.004))
+
+
 def test_the_columns_of_a_density_lead_to_the_formula(read):
     with pytest.raises(ValueError, match="the porosity is n = 1 - dry density of the bed / density of the grains"):
         read("FL,EL,rho_d,rho_s\n0.5,0.7,1722,2650\n", "U1")
@@ -206,6 +211,8 @@ def test_a_row_per_grain_is_refused(read, rows, refused):
             "row 2: n is .loose.; a number is needed; .*; rows 4, 5 have errors too",
         ),
         ("FL,EL,n\n0.5,0.7,loose\n", "U1", "row 2: n is 'loose'; a number is needed"),
+        ("FL,EL,n\n0.5,0.7,n.a.\n", "U1", "row 2: n is 'n.a.'; a number is needed; enter it, or remove the row"),
+        ("FL,EL,n,n_error\n0.5,0.7,0.36,0\n", "U1", "row 2: n_error = 0, but each measurement has an error"),
     ],
 )
 def test_what_is_wrong_is_named(read, text, case, message):

@@ -137,6 +137,14 @@ def test_beds_of_a_case_without_a_model_are_left_out_with_the_remedy(write, case
     assert left_out.endswith("for beds of any single sieve class the case is one-class") == (case == "bar")
 
 
+def test_beds_of_a_case_without_a_model_do_not_hide_the_others(write, capsys):
+    rows = [f"{name},U7,0.3,0.6{i},0.1,0.7,0.1" for i, name in enumerate("abc")]
+    path = write(*rows, f"d,U1,0.35,{FORM}", head=HEAD.replace("n,", "case,n,"))
+    assert main(["fit", str(path)]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "1 bed, case U1" in text and "give --sieve U7 instead of the case" in text
+
+
 def test_beds_that_cannot_be_predicted_are_an_error_beside_too_few_of_a_case(write, capsys):
     rows = ["A,,U7,0.3,0.6,0.1,0.7,0.1", "B,,U7,0.3,0.61,0.1,0.7,0.1", "C,,U7,0.5,0.12,0.02,0.3,0.02"]
     path = write("D,one-class,,0.35,0.6,0.1,0.7,0.1", *rows, head=HEAD.replace("n,", "case,sieve,n,"))

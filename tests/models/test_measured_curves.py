@@ -98,6 +98,20 @@ def test_too_few_beds_and_repeats(fitted):
     assert len(fit_curves(same_form, fitted).beds) == 3, "beds of one form with different curves are different beds"
 
 
+def test_beds_that_share_a_form_share_the_error_of_its_porosity(fitted):
+    def sentence(beds):
+        text = " ".join(describe_fit(MeasuredFit([], [], [], fit_curves(beds, fitted)), "beds.csv").split())
+        return text.partition("its standard error is ")[2].partition(",")[0]
+
+    own = beds_of(lambda n: n + 0.01, 6, fitted)
+    assert sentence(own) == "", "each bed has a form of its own"
+    n = [predict_curve(bed.curve, [own[i < 4].sample], fitted).n.item() for i, bed in enumerate(own)]
+    shared = [replace(bed, sample=own[i < 4].sample, n=n[i] + 0.01) for i, bed in enumerate(own)]
+    of_form = fitted.models["unified", "U1"].scatter
+    # Four beds of one form and two of another, which do not scatter.
+    assert sentence(shared) == f"{of_form * np.sqrt((4**2 + 2**2) / 6**2):.4f} instead of 0.0000"
+
+
 def test_a_solid_fraction_of_a_bed_with_a_sieve_curve_is_questioned(fitted):
     beds = beds_of(lambda n: n + 0.01, 4, fitted)
     result = fit_curves([*beds[:3], replace(beds[3], n=1 - beds[3].n)], fitted)

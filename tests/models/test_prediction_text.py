@@ -15,7 +15,7 @@ from simcore.__main__ import main
 from simcore.grains.measured_forms import Sample
 from simcore.models.fitting import fit_reference_models
 from simcore.models.prediction import predict_samples
-from simcore.models.prediction_text import describe, few_grains_error_caveats
+from simcore.models.prediction_text import describe, few_grains_caveats, few_grains_error_caveats
 from simcore.paths import REFERENCE
 from tests.helpers.reference_rows import porosity_of_form, sample_of_one_form
 
@@ -80,6 +80,12 @@ def test_the_error_of_few_grains_is_stated_or_its_absence():
     assert unknown.startswith("The intervals do not contain the error of measuring few grains of b, c; it is known if")
     assert lines([np.nan] * 3) == [unknown.replace(" of b, c", "")]
     assert lines([0.0, np.nan, 0.0], one_form=(True, True, True)) == []
+
+
+def test_a_single_grain_is_named_and_few_grains_of_one_form_are_not():
+    single, few, fewer = few_grains_caveats(list("abcd"), [1, 3, 3, 40], [True, True, False, False])
+    assert single.startswith("a: a single grain was measured, and all grains are taken to have its form.")
+    assert few.startswith("Fewer than 30 grains") and few.endswith(": c.") and fewer.endswith(": c.")
 
 
 @pytest.mark.parametrize("case", ["--case one-class", "--sieve examples/sieve_curve.csv"])

@@ -53,6 +53,16 @@ def test_a_size_that_is_no_number_has_the_cure_of_a_field(open_page):
     assert page.locator("#curve-error").inner_text() == "Finest grains is '20 µm'; give a size above 0, in mm."
 
 
+def test_a_size_with_a_separator_of_thousands_is_refused(open_page):
+    page = open_curve(open_page, finest="1,000")
+    assert page.locator("#curve-error").inner_text() == "Finest grains is '1,000'; write 1000 or 1, in mm."
+
+
+def test_a_damaged_decimal_mark_of_a_link_is_ignored(open_page):
+    page = open_page("#table=FL%3BEL%0A.5%3B.7%0A&mark=x")
+    assert page.locator("#answer strong").inner_text()[:2] in ("0.", "0,")
+
+
 def test_a_faulty_curve_has_no_chart_to_edit(open_page):
     page = open_curve(open_page)
     assert page.locator("#curve-chart svg").count() == 1

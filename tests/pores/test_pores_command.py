@@ -26,6 +26,15 @@ def without_extra(monkeypatch):
     monkeypatch.setattr(pores, "missing_libraries", lambda: ["porespy", "openpnm"])
 
 
+def test_voxels_on_which_the_tortuosity_is_below_1_are_refused(bed, without_extra, capsys, monkeypatch):
+    """Coarse voxels close pores, so that the value on them is far too large and the extrapolation far too small."""
+    values = iter((7.0, 2.6))
+    monkeypatch.setattr(pores, "tortuosity", lambda image: next(values))
+    assert main(["pores", bed, "--cut", "9 mm", "--voxel", "0.5 mm"]) == 2
+    error = capsys.readouterr().err
+    assert "the voxels of 0.5 mm are too large for the tortuosity, which is 7 on voxels of twice this edge" in error
+
+
 def test_without_the_extra_the_rest_is_printed_with_how_to_install_it(bed, without_extra, capsys):
     assert main(["pores", bed, "--cut", "9 mm", "--voxel", "0.5 mm"]) == 0
     lines = capsys.readouterr().out.splitlines()

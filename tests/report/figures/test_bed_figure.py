@@ -19,7 +19,7 @@ def ellipsoids(n=400):
     position = rng.uniform([0, 0, 0.003], [0.03, 0.03, 0.05], (n, 3))
     scale = rng.uniform(0.8, 1.2, (n, 1)) * [1.6e-3, 2.2e-3, 3e-3]
     bed = make_packing(position, scale, random_orientations(n, 1), width=0.03, largest=6e-3, title="Packing strewn")
-    bounds, share = [[3e-3, 4e-3], [4e-3, 5e-3]], [0.25, 0.75]
+    bounds, share = [[1e-3, 3e-3], [3e-3, 4e-3], [4e-3, 5e-3], [5e-3, 9e-3]], [0.0, 0.25, 0.75, 0.0]  # ends are empty
     return bed.assign(sieve_bounds=(("sieve_class", "bound"), bounds), mass_fraction_specified=("sieve_class", share))
 
 
