@@ -81,7 +81,7 @@ def test_the_workstation_has_what_its_tables_are_to_hold():
     assert grains["form_mixtures"] >= 52 * 2400
     wide = of["single_form_wide"].specification
     masses = {case: {s["amount"]["mass"] for s in wide if s["sizes"]["case"] == case} for case in ("U7", "B50")}
-    assert masses["U7"] == {4.0} and min(masses["B50"]) >= 1.7 and len(wide) == 12
+    assert masses["U7"] == {4.0} and min(masses["B50"]) >= 1.7 and len(wide) == 24
     for specification in of["validation"].specification:
         assert (specification["domain"]["width"], specification["amount"]["mass"]) == (0.104, 3.0)
         assert specification["domain"]["type"] == "cylinder" and specification["shaking"]["duration"] == 1.0
