@@ -25,7 +25,6 @@ from simcore.scene.setup import set_up
 from simcore.scene.specification import resolve
 
 FORMAT = 1  # version of the file; files of other versions are not read
-SHAPES = {"sphere": "sphere", "ellipsoid": "ellipsoid", "polyhedron": "polyhedron"}
 SPHERE_DIAMETER = 6.7e-3  # [m], geometric mean of the bounds of U1
 # Volume of a grain over π/6 D³: that of the ellipsoids. Pebbles have nearly the same, which is enough for the width.
 FILLING = {"sphere": 1.0, "ellipsoid": 1.45, "polyhedron": 1.45}
@@ -68,7 +67,7 @@ def bed_settings(shape, grains, faces=300, seed=1, overrides=None):
         "name": f"{shape}-{grains}",
         "seed": seed,
         "domain": {"width": f"{width!r} m", "height": f"{6 * volume / width**2 + 10 * largest:.3f} m"},
-        "shapes": {"kind": SHAPES[shape]},
+        "shapes": {"kind": shape},
         "sizes": {"case": "U1"},
         "amount": {"grains": grains},
         "numerics": {"progress_interval": "30 s"},

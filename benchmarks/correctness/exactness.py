@@ -18,8 +18,6 @@ import time
 
 import numpy as np
 
-IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
-
 
 def unit(x):
     return x / np.linalg.norm(x, axis=-1, keepdims=True)

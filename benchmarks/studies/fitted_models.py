@@ -17,6 +17,7 @@ import argparse
 import pandas as pd
 
 from benchmarks.studies.drawn_mixtures import correlations
+from benchmarks.tables import significant
 from simcore.models.fitting import fit_reference_models
 from simcore.paths import REFERENCE
 from simcore.report.committed import findings
@@ -27,18 +28,17 @@ TABLES = (
     "form_mixture", "form_mixture_feature_sets", "unified", "unified_feature_sets", "shape_kinds",
     "application_predictions",
 )  # fmt: skip
-DIGITS = 6
 
 
 def model_tables():
-    """Return the tables, dict of DataFrames by name, with numbers of DIGITS significant digits."""
+    """Return the tables, dict of DataFrames by name, with numbers of six significant digits."""
     tables, _ = findings(REFERENCE)
     chosen = {name: tables[name] for name in TABLES if name in tables}
     models = fit_reference_models().models
     chosen["form_mixture_correlations"] = correlations()
     chosen["predict"] = pd.concat([model.to_rows() for model in models.values()], ignore_index=True)
     chosen["covariance"] = covariances(models)
-    return {name: _rounded(table) for name, table in chosen.items()}
+    return {name: significant(table) for name, table in chosen.items()}
 
 
 def covariances(models):
@@ -50,11 +50,6 @@ def covariances(models):
         for other, value in zip(model.terms, values, strict=True)
     ]
     return pd.DataFrame(rows)
-
-
-def _rounded(table):
-    numbers = table.select_dtypes("float").columns
-    return table.assign(**{name: table[name].map(lambda value: float(f"{value:.{DIGITS}g}")) for name in numbers})
 
 
 def main(arguments=None) -> None:

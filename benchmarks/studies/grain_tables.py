@@ -11,25 +11,20 @@ import argparse
 
 import yaml
 
+from benchmarks.tables import significant
 from simcore.grains.sources import load_grains
 from simcore.paths import CONFIG, REFERENCE
 from simcore.report.grains import grain_findings
 from simcore.scene.specification import resolve
 
 FOLDER = REFERENCE / "grains"
-DIGITS = 6
 
 
 def grain_tables():
-    """Return the tables, dict of DataFrames by name, with numbers of DIGITS significant digits."""
+    """Return the tables, dict of DataFrames by name, with numbers of six significant digits."""
     campaign = resolve(yaml.safe_load((CONFIG / "config.yaml").read_text(encoding="utf-8")), "config")
     tables = grain_findings(load_grains(campaign["grains"])).tables
-    return {name: _rounded(table) for name, table in tables.items()}
-
-
-def _rounded(table):
-    numbers = table.select_dtypes("float").columns
-    return table.assign(**{name: table[name].map(lambda value: float(f"{value:.{DIGITS}g}")) for name in numbers})
+    return {name: significant(table) for name, table in tables.items()}
 
 
 def main(arguments=None) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from simcore.models.packing_models.literature import LITERATURE
+from simcore.models.packing_models.literature import LITERATURE, POURED_COMPACTION, VIBRATED_COMPACTION
 from simcore.models.size_and_form.bed_prediction import interval, rhine_sample
 from simcore.models.size_and_form.candidates import predict
 from simcore.models.size_and_form.known_beds import (
@@ -43,6 +43,7 @@ from simcore.models.size_and_form.known_beds import (
 from simcore.models.size_and_form.sized_model import current_model, unfitted_model
 from simcore.models.size_and_form.stretch import REFERENCE_EL, REFERENCE_EQ, REFERENCE_POROSITY
 from simcore.paths import REFERENCE
+from simcore.reference.r22_comparison import ROUNDING
 from simcore.report.figures.saving import save_figure
 from simcore.scene.sizes import all_cases
 
@@ -51,11 +52,10 @@ OURS = "size and form"
 R22 = "Rettinger et al."
 # Candidates without fitted parameters: name, parameters. The first one is used as long as no parameter is fitted.
 UNFITTED = {
-    "H, K = 4.1": ("H", {"K": 4.1}), "L": ("L", {}), "F": ("F", {}),
-    "H, K = 4.75": ("H", {"K": 4.75}), "H, K = 9": ("H", {"K": 9.0}),
+    "H, K = 4.1": ("H", {"K": POURED_COMPACTION}), "L": ("L", {}), "F": ("F", {}),
+    "H, K = 4.75": ("H", {"K": VIBRATED_COMPACTION}), "H, K = 9": ("H", {"K": 9.0}),
 }  # fmt: skip
 LEVEL = 0.95
-ROUNDED = 1e-3 / np.sqrt(12.0)  # standard deviation of the rounding error of a published coefficient
 # Label, marker and colour of each set in the figure.
 SETS = {
     MEASURED: ("gravels measured by Rettinger et al.", "o", "#20313b"),
@@ -181,7 +181,7 @@ def _rounding(case, forms):
     changes = []
     for index in np.ndindex(slopes.shape):
         changed = slopes.copy()
-        changed[index] += ROUNDED
+        changed[index] += ROUNDING
         base, wide = (features @ values for values in changed)
         changes.append(_slope(base, wide) - _slope(*(features @ values for values in slopes)))
     return float(np.sqrt(np.sum(np.square(changes))))

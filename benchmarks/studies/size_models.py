@@ -29,11 +29,11 @@ from simcore.models.packing_models.literature import POURED_COMPACTION, VIBRATED
 from simcore.models.packing_models.rods import rods
 from simcore.models.size_and_form.candidates import predict
 from simcore.models.size_and_form.known_beds import OF_ONE_FORM, known_forms
+from simcore.models.size_and_form.sized_model import ENDS, SINGLE_FORMS_OF_R22
 from simcore.paths import CONFIG, REFERENCE
 from simcore.reference.r22_tables import read_r22_table
 
 BASE = "U1"
-LOOSE = (0.32, 0.38)  # one-class porosities of the slopes
 INDICES = (POURED_COMPACTION, VIBRATED_COMPACTION, 9.0)
 TABLE = "size_models_measured.csv"
 FLAT = (filling, occupying)
@@ -82,13 +82,13 @@ def size_models_table():
         errors = {name: porosity(curves[name], porosities[BASE]) - n for name, n in porosities.items()}
         row = {"model": model, "K": K, "given": f"curve and porosity of {BASE}", "classes": classes} | _named(errors)
         for name in OF_ONE_FORM:
-            dense, loose = (porosity(curves[name], n1) for n1 in LOOSE)
-            row[f"slope_{name}"] = (loose - dense) / (LOOSE[1] - LOOSE[0])
+            dense, loose = (porosity(curves[name], n1) for n1 in ENDS)
+            row[f"slope_{name}"] = (loose - dense) / (ENDS[1] - ENDS[0])
         rows.append(row)
     for predictor in PREDICTORS:
         errors = {name: predictor.porosity(curves[name]) - n for name, n in porosities.items()}
         rows.append({"model": predictor.name, "given": "curve", "classes": "divided"} | _named(errors))
-    rows.append({"model": "single forms of Rettinger et al.", "given": "form", **single_form_slopes()})
+    rows.append({"model": SINGLE_FORMS_OF_R22, "given": "form", **single_form_slopes()})
     return pd.DataFrame(rows).round(4)
 
 

@@ -14,6 +14,7 @@ from benchmarks.studies.mixtures_wide import is_rhine, specified_statistics
 from docs.generate.markdown import table
 from simcore.campaign.deposit_findings import findings
 from simcore.campaign.deposits import curve, read_deposits
+from simcore.evaluation.confidence import error_of_mean
 from simcore.evaluation.rounding import with_decimals
 from simcore.grains.form import FORM_FACTORS
 from simcore.grains.form import features as form_features
@@ -24,8 +25,9 @@ from simcore.models.single_form import SINGLE_FORM
 from simcore.models.tables import over_seeds
 from simcore.paths import CONFIG, REFERENCE
 from simcore.reference.committed_rows import fitted_forms, read_mixtures
-from simcore.reference.r22_comparison import add_reference
+from simcore.reference.r22_comparison import ROUNDING, add_reference
 from simcore.reference.r22_tables import read_r22_models, read_r22_table, rhine_statistics
+from simcore.report.figures.models import R22_SPHERES
 
 LISTED = Path(__file__).with_name("papers.yaml")
 _HEAD = """# The two papers, table by table
@@ -36,7 +38,7 @@ is the standard error of both together. The numbers follow from the committed ta
 campaigns find](findings.md) explains them, and has the command that draws figures 8 to 12 from these tables.
 """
 _TITLES = {"r22": "Rettinger et al. (2022)", "baram_lind": "Baram and Lind"}
-ROUNDING = 5e-4 / np.sqrt(3)  # standard deviation of rounding to three decimals
+VARIANCE_FACTOR = 1.83  # of the azimuths of long axes, docs/reference/deposits.md, "Preferred azimuths"
 
 
 def listed():
@@ -88,8 +90,17 @@ def _study(study):
     packed, open_ = _not_packed(study)
     if not (REFERENCE / f"{study}.csv").exists():
         return packed, open_
-    rows = add_reference(_rows(study).rename(columns={"n_error": "n_std_error"}), study)
+    rows = _beside_theirs(study)
     return packed, _apart_by_case(rows["case"], rows["difference"], rows["z"]) or "the paper has no such beds"
+
+
+def _beside_theirs(study):
+    """Return the means over the seeds of a study, with the values of Rettinger et al. from `add_reference`."""
+    rows = _rows(study).rename(columns={"n_error": "n_std_error"})
+    settings = [name for name in rows if name not in ("seed", "run", "n", "n_std_error", "grains", "cpu_s")]
+    columns = {"n": "mean", "n_std_error": error_of_mean}
+    means = rows.groupby(settings, sort=False)[list(columns)].agg(columns)
+    return add_reference(means.reset_index(), study)
 
 
 def _apart_by_case(cases, differences, in_errors):
@@ -101,6 +112,11 @@ def _apart_by_case(cases, differences, in_errors):
         up_to = "up to " if len(rows) > 1 else ""
         texts.append(f"{case} {' to '.join(ends)} ({up_to}{rows['z'].abs().max():.1f} standard errors)")
     return "; ".join(texts)
+
+
+def _not_packed_of(cases):
+    """Return the words on sieve curves without packings; empty without such curves."""
+    return f"; {' and '.join(cases)} {'are' if len(cases) > 1 else 'is'} not packed" if cases else ""
 
 
 def _not_packed(study):
@@ -166,7 +182,7 @@ def _porosity_over_faces(rows, base="300"):
     theirs = theirs.assign(faces=theirs["faces"].str.removeprefix("<=")).set_index(["case", "faces"])["n"]
     texts = []
     for case, beds in rows.assign(faces=rows["faces"].astype(str)).groupby("case", sort=False):
-        means = beds.groupby("faces", sort=False).agg(n=("n", "mean"), error=("n_error", _error_of_mean))
+        means = beds.groupby("faces", sort=False).agg(n=("n", "mean"), error=("n_error", error_of_mean))
         if base not in means.index:
             continue
         for faces, bed in means.drop(base).iterrows():
@@ -179,26 +195,23 @@ def _porosity_over_faces(rows, base="300"):
     return f"minus that of {base} faces: {', '.join(texts)}" if texts else ""
 
 
-def _error_of_mean(errors):
-    return float(np.sqrt((errors**2).sum()) / len(errors))
-
-
 def _shaking_cylinder():
-    return f"{len(_rows('shaking_cylinder'))} packings of half the mass, 1 seed of 3", _study("shaking_cylinder")[1]
+    rows = _rows("shaking_cylinder")
+    seeds = f"{_count(rows.groupby(['case', 'shaking_s']).size().min(), 'seed')} of 3"
+    return f"{len(rows)} packings of half the mass, {seeds}", _study("shaking_cylinder")[1]
+
+
+def _count(number, noun):
+    """Return a number with its noun: 1 seed, 2 seeds."""
+    return f"{number} {noun}" + ("" if number == 1 else "s")
 
 
 def _validation():
-    ours, theirs = _rows("validation"), read_r22_table("table6_validation").set_index("case")
-    n = ours.groupby("case")["n"].mean()
-    error = ours.groupby("case")["n_error"].agg(lambda errors: np.sqrt((errors**2).sum()) / len(errors))
-    apart = (n - theirs["mean"]).dropna()
-    of_both = np.hypot(error, theirs["std"] / np.sqrt(2))
-    z = (apart / of_both).abs()
-    cases = read_cases(CONFIG / "cases.tsv")
-    measured = read_r22_table("table3_cases").set_index("case")["n_exp"].reindex(n.index)
-    close = int(((n / measured - 1).abs() <= 0.05).sum())
+    rows = _beside_theirs("validation").set_index("case")
+    apart, z = rows["difference"], rows["z"].abs()
+    close = int((rows["experiment_error_percent"].abs() <= 5.0).sum())
     return (
-        f"{len(ours)} of {3 * len(cases)} packings",
+        f"{len(_rows('validation'))} of {3 * len(read_cases(CONFIG / 'cases.tsv'))} packings",
         f"{_signed(apart.min(), 3)} ({apart.idxmin()}) to {_signed(apart.max(), 3)} ({apart.idxmax()}); "
         f"{int((z <= 2).sum())} of {len(z)} within two standard errors; {close} within 5 % of the experiment",
     )
@@ -247,9 +260,11 @@ def _second_feature():
 
 def _ellipsoids():
     row = _rows("models/shape_kinds").iloc[0]
-    rows = _rows("single_form").query("representation == 'ellipsoid' and case == @row.case")
-    seeds = int(rows.groupby("grain").size().min())
-    return f"{row.case}, {row.forms} forms, {seeds} seed{'s' * (seeds > 1)}; U7 and B50 are not packed", (
+    ellipsoids = _rows("single_form").query("representation == 'ellipsoid'")
+    seeds = _count(ellipsoids.query("case == @row.case").groupby("grain").size().min(), "seed")
+    open_ = [case for case in ("U7", "B50") if case not in set(ellipsoids["case"])]
+    size = f"{row.case}, {row.forms} forms, {seeds}" + _not_packed_of(open_)
+    return size, (
         f"ellipsoids and grains differ by {row.rms_difference:.4f} (root mean square), theirs by "
         f"{row.r22_rms_difference:.4f}"
     )
@@ -257,9 +272,9 @@ def _ellipsoids():
 
 def _spheres():
     rows = _rows("near_spheres").query("shape_kind == 'sphere'")
-    seeds = f"{len(rows)} seed" + "s" * (len(rows) > 1)
-    error = float(np.hypot(_error_of_mean(rows["n_error"]), 10 * ROUNDING))
-    return f"{rows['grains'].iloc[0]} grains, {seeds}", _apart(rows["n"].mean() - 0.36, error)
+    seeds = _count(len(rows), "seed")
+    error = float(np.hypot(error_of_mean(rows["n_error"]), 10 * ROUNDING))
+    return f"{rows['grains'].iloc[0]} grains, {seeds}", _apart(rows["n"].mean() - R22_SPHERES["U1"], error)
 
 
 def _mixtures():
@@ -306,7 +321,7 @@ def _feature_sets():
 
 def _prediction_of_mixtures():
     row = _all_four(_rows("models/form_mixture_feature_sets").query("case == 'U1'"))
-    return "as Eq. 23; U7 is not packed", f"R² {row.r_squared:.3f} (theirs {row.r22_r_squared:.3f})"
+    return "as Eq. 23, U1", f"R² {row.r_squared:.3f} (theirs {row.r22_r_squared:.3f})"
 
 
 def _application():
@@ -321,9 +336,9 @@ def _application():
         n = rows[rows["choice"] == choice]["n"]
         texts.append(f"{words} {_apart(n.mean() - theirs[f'{name}_simulated'], np.hypot(n.sem(), ROUNDING))}")
     if rain.empty:
-        return f"U1, {len(rows)} packings; U7 is not packed", "; ".join(texts)
+        return f"U1, {len(rows)} packings{_not_packed_of(['U7'])}", "; ".join(texts)
     theirs = read_r22_table("table11_application").set_index("case").loc["U7", "continuous_simulated"]
-    error = float(np.hypot(_error_of_mean(rain["n_error"]), ROUNDING))
+    error = float(np.hypot(error_of_mean(rain["n_error"]), ROUNDING))
     texts.append(f"U7, forms drawn from a distribution, as a rain {_apart(rain['n'].mean() - theirs, error)}")
     return f"U1, {len(rows)} packings; U7, {len(rain)}", "; ".join(texts)
 
@@ -382,12 +397,12 @@ def _coordination():
 
 def _azimuth():
     texts = []
-    for name, words in (("contact_normal", "contacts"), ("long_axis", "long axes")):
-        values = _deposits()[f"azimuth_p2_{name}"].dropna()
+    for name, factor, words in (("contact_normal", 1.0, "contacts"), ("long_axis", VARIANCE_FACTOR, "long axes")):
+        values = _deposits()[f"azimuth_p2_{name}"].dropna() ** (1.0 / factor)
         texts.append(f"{int((values < 0.05).sum())} of {len(values)} deposits for {words}")
     return f"{len(_deposits())} deposits", (
-        f"p for a preferred direction is below 0.05 in {' and in '.join(texts)}, where chance gives one in 20; theirs "
-        "prefer none"
+        f"p for a preferred direction is below 0.05 in {' and in '.join(texts)}, where chance gives one in 20; p of "
+        f"long axes is corrected for parallel neighbours (c = {VARIANCE_FACTOR}); theirs prefer none"
     )
 
 

@@ -2,6 +2,8 @@
 
 import pandas as pd
 
+from simcore.reference.named_tables import read_named_table
+
 # A packing of Rettinger et al., 20 000 grains and 1.5 million steps, takes their program 230 to 250 core-hours.
 R22_HOURS, R22_GRAINS, R22_STEPS = 230.0, 20_000, 1.5e6
 
@@ -37,4 +39,4 @@ def r22_hours(grain_steps):
 
 def read_packings(paths):
     """Return the tables of packings of several studies as one DataFrame, in the order of the paths."""
-    return pd.concat([pd.read_csv(path) for path in paths], ignore_index=True)
+    return pd.concat([read_named_table(path) for path in paths], ignore_index=True)

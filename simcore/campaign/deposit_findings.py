@@ -6,7 +6,15 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from simcore.campaign.deposits import PLAIN, curve, experiment_differences, family, means, plain_means
+from simcore.campaign.deposits import (
+    PLAIN,
+    curve,
+    experiment_differences,
+    is_plain_diagonal,
+    is_plain_spread,
+    means,
+    plain_means,
+)
 from simcore.evaluation.crossing_angle import crossing_angle
 from simcore.evaluation.fabric import fabric_over_seeds
 
@@ -185,9 +193,9 @@ def diagonal_fabrics(studies, fabrics, max_forms=5):
     """
     by_form = {}
     for study, fabric in zip(studies, fabrics, strict=True):
-        eta = json.loads(fabric.attrs["scene"])["shapes"]["eta"]
-        if family(study) == "diagonal" and not isinstance(eta, dict):
-            by_form.setdefault(eta, []).append(fabric)
+        scene = json.loads(fabric.attrs["scene"])
+        if is_plain_diagonal(study, scene):
+            by_form.setdefault(scene["shapes"]["eta"], []).append(fabric)
     ratios = sorted(by_form)
     chosen = np.unique(np.linspace(0, len(ratios) - 1, min(max_forms, len(ratios))).round().astype(int))
     return {
@@ -206,11 +214,9 @@ def spread_fabrics(studies, fabrics, max_spreads=5):
     """
     by_form = {}
     for study, fabric in zip(studies, fabrics, strict=True):
-        if family(study) == "sizes":
-            scene = json.loads(fabric.attrs["scene"])
+        scene = json.loads(fabric.attrs["scene"])
+        if is_plain_spread(study, scene):
             form = (scene["shapes"]["eta"], scene["shapes"]["zeta"])
-            if scene["sizes"]["beta"] is None or any(isinstance(ratio, dict) for ratio in form):
-                continue
             by_form.setdefault(form, {}).setdefault(scene["sizes"]["beta"]["spread"], []).append(fabric)
     if not by_form:
         return {}

@@ -30,6 +30,28 @@ TABLE, SOURCE = "deposits", "ellipsoids"  # in simcore.campaign.gathering
 AS_OTHERS = "none"
 
 
+def figures_of_fabrics(studies, scenes):
+    """Return the names of the figures of fabrics that these deposits allow, a list of str.
+
+    studies: name of the study of each deposit; scenes: their resolved specifications.
+    """
+    pairs = list(zip(studies, scenes, strict=True))
+    figures = {"histograms": is_plain_diagonal, "histograms_over_sizes": is_plain_spread}
+    return [name for name, fits in figures.items() if any(fits(study, scene) for study, scene in pairs)]
+
+
+def is_plain_diagonal(study, scene):
+    """Return whether the grains of a deposit have one form with eta = zeta."""
+    return family(study) == "diagonal" and not isinstance(scene["shapes"]["eta"], dict)
+
+
+def is_plain_spread(study, scene):
+    """Return whether a deposit of the family `sizes` has grains of one form and a spread of size."""
+    ratios = (scene["shapes"]["eta"], scene["shapes"]["zeta"])
+    plain = scene["sizes"]["beta"] is not None and not any(isinstance(ratio, dict) for ratio in ratios)
+    return family(study) == "sizes" and plain
+
+
 def family(study):
     """Return the family, one of FAMILIES, from a study's name; ValueError for another name."""
     word = study.removeprefix(PREFIX).split("_")[0]

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pandas as pd
 
+from simcore.evaluation.confidence import error_of_mean
 from simcore.reference.columns import FORM
 
 OWN_CURVE = "own"  # case of a sieve curve that a study gives by its classes
@@ -66,7 +67,7 @@ def summarise(packings, varied):
     groups = packings.groupby(keys, sort=False, dropna=False)
     table = groups["n"].agg(runs="size", n="mean", n_std="std")
     table["n_seed_error"] = table["n_std"] / np.sqrt(table["runs"])
-    table["n_std_error"] = np.sqrt(groups["n_std_error"].agg(lambda errors: np.sum(errors**2))) / table["runs"]
+    table["n_std_error"] = groups["n_std_error"].agg(error_of_mean)
     table = table.join(groups[[*FORM, "grains", "n_exact", "coordination_number"]].mean())
     table["cpu_h"] = groups["cpu_s"].sum() / 3600.0
     return table.reset_index()

@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 from simcore.commands.options import YAML, check_figure, check_writable, grain_size
+from simcore.writing import whole_file
 
 
 def add(commands) -> None:
@@ -55,7 +56,8 @@ def run(options) -> int:
     if options.plot is not None:
         _plot(options, table)
     if specification is not None:
-        options.specification.write_text(specification, encoding="utf-8")
+        with whole_file(options.specification) as part:
+            part.write_text(specification, encoding="utf-8")
         notices.append(
             f"{options.specification} is written; `scree pack {options.specification} bed.nc` packs this curve"
         )

@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from simcore.evaluation.confidence import error_of_mean
+
 BEDS_NEEDED = {"offset": 3, "rescaling": 6}
 # A bed with a leverage above this determines a coefficient alone, so that it cannot be predicted from the others.
 _ALONE = 1.0 - 1e-9
@@ -82,7 +84,7 @@ def means_of_repeats(groups):
     for group in groups:
         n, errors = np.array([(bed.n, bed.n_error) for bed in group]).T
         squares, freedom = squares + np.sum((n - n.mean()) ** 2), freedom + len(n) - 1
-        rows.append((group[0].sample.name, n.mean(), np.sqrt(np.sum(errors**2)) / len(n), len(n)))
+        rows.append((group[0].sample.name, n.mean(), error_of_mean(errors), len(n)))
     beds = pd.DataFrame(rows, columns=["name", "n", "n_error", "repeats"])
     return beds, float(np.sqrt(squares / freedom)) if freedom else np.nan
 

@@ -6,6 +6,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from simcore.models.regression import PorosityModel
+from simcore.writing import whole_file
 
 MEASURED = "measured"  # name of such a model
 _FORMAT = "scree models of measured beds, 1"
@@ -27,7 +28,8 @@ def write_measured_models(path, models, curve=None):
     if curve is not None:
         content["curve"] = {"correction": _without_nan(curve.to_dict()), "one_class": _entries(curve.one_class)}
     text = json.dumps(content, indent=1, allow_nan=False)
-    Path(path).write_text(text + "\n", encoding="utf-8")
+    with whole_file(path) as part:
+        part.write_text(text + "\n", encoding="utf-8")
 
 
 def is_file_of_fit(path):

@@ -14,7 +14,7 @@ from simcore.models.regression import (
     fit_and_validate,
     usable_features,
 )
-from simcore.models.tables import join_r22, join_r22_models, over_seeds
+from simcore.models.tables import join_r22, join_r22_models, over_seeds, rows_of_models
 from simcore.reference.columns import SPECIFIED_MEANS
 
 log = logging.getLogger(__name__)
@@ -80,7 +80,7 @@ def mixture_models(packings, r22_correlations=None, r22_sets=None, r22_models=No
     tables = {
         "correlations": pd.concat(correlations, ignore_index=True),
         "feature_sets": pd.DataFrame(sets, columns=None if sets else ["case", *MIXTURE]),
-        "models": pd.concat([m.to_rows() for m in models.values()], ignore_index=True) if models else pd.DataFrame(),
+        "models": rows_of_models(models),
     }
     if r22_correlations is not None:
         published = r22_correlations.query("study == 'form_mixture'")

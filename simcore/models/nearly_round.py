@@ -29,7 +29,7 @@ def nearly_round_caveats(samples) -> list[str]:
 @cache
 def describe_nearly_round(folder=REFERENCE) -> str:
     """Return the sentence on such grains, with the porosities of spheres and ellipsoids in near_spheres.csv."""
-    rows = pd.read_csv(Path(folder) / "near_spheres.csv")
+    rows = pd.read_csv(Path(folder) / "near_spheres.csv").query("case == 'U1'")
     n = rows.groupby(["shape_kind", "flatness"])["n"].mean()
     ellipsoids, spheres = n["ellipsoid", _COMPARED], n["sphere", 1.0]
     return (

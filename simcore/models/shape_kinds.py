@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 
+from simcore.evaluation.confidence import error_of_mean
 from simcore.models.tables import join_r22
 
 
@@ -16,8 +17,7 @@ def pair_shape_kinds(meshes, ellipsoids):
 
     def mean(table):
         groups = table.groupby(keys, sort=False)
-        errors = groups["n_std_error"].agg(lambda error: np.sqrt(np.sum(error**2)) / len(error))
-        return groups[["EQ", "n"]].mean().assign(error=errors)
+        return groups[["EQ", "n"]].mean().assign(error=groups["n_std_error"].agg(error_of_mean))
 
     mesh = mean(meshes).rename(columns={"n": "n_mesh", "error": "n_mesh_error"})
     ellipsoid = mean(ellipsoids)[["n", "error"]].rename(columns={"n": "n_ellipsoid", "error": "n_ellipsoid_error"})

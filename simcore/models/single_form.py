@@ -16,7 +16,7 @@ from simcore.models.regression import (
     screen,
     usable_features,
 )
-from simcore.models.tables import join_r22, join_r22_models, over_seeds
+from simcore.models.tables import join_r22, join_r22_models, over_seeds, rows_of_models
 
 log = logging.getLogger(__name__)
 
@@ -61,7 +61,7 @@ def single_form_models(packings, r22_correlations=None, r22_errors=None, r22_mod
     tables = {
         "correlations": pd.concat(correlations, ignore_index=True),
         "second_features": pd.DataFrame(errors),
-        "models": pd.concat([model.to_rows() for model in models.values()], ignore_index=True),
+        "models": rows_of_models(models),
     }
     if r22_correlations is not None:
         published = r22_correlations.query("study == 'single_form'")

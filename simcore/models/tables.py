@@ -1,7 +1,8 @@
 """Steps common to the tables of all models: means over seeds, and columns with values of Rettinger et al. (2022)."""
 
-import numpy as np
 import pandas as pd
+
+from simcore.evaluation.confidence import error_of_mean
 
 
 def over_seeds(packings, key):
@@ -15,8 +16,18 @@ def over_seeds(packings, key):
     groups = packings.groupby(["case", key], sort=False, dropna=False)
     means = groups.mean(numeric_only=True).copy()
     if "n_std_error" in packings:
-        means["n_std_error"] = groups["n_std_error"].agg(lambda errors: np.sqrt(np.sum(errors**2)) / len(errors))
+        means["n_std_error"] = groups["n_std_error"].agg(error_of_mean)
     return means.reset_index()
+
+
+def rows_of_models(models) -> pd.DataFrame:
+    """Return the coefficients of PorosityModels, one row per term; without a model only the columns.
+
+    models: dict from (name, case) to PorosityModel.
+    """
+    if not models:
+        return pd.DataFrame(columns=["model", "case", "term", "coefficient"])
+    return pd.concat([model.to_rows() for model in models.values()], ignore_index=True)
 
 
 def compare_predictions(models, name, table):

@@ -24,7 +24,7 @@ from simcore.grains.statistics import STATISTICS
 from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import FOLDS, fewest_samples, fit_and_validate, predict_unseen
 from simcore.models.single_form import SINGLE_FORM
-from simcore.models.tables import over_seeds
+from simcore.models.tables import over_seeds, rows_of_models
 from simcore.reference.r22_tables import parse_r22_models
 
 log = logging.getLogger(__name__)
@@ -129,9 +129,7 @@ def unified_models(single_forms, mixtures, r22_models=None, seed=0, folds=FOLDS)
                 )
     tables = {
         "feature_sets": pd.DataFrame(rows, columns=None if rows else ["case", "model", "features"]),
-        "models": pd.concat([model.to_rows() for model in models.values()], ignore_index=True)
-        if models
-        else pd.DataFrame(columns=["model", "case", "term", "coefficient"]),
+        "models": rows_of_models(models),
     }
     return tables, models
 

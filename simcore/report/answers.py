@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from simcore.campaign.biases import SIZE
-from simcore.evaluation.confidence import student_quantile
+from simcore.evaluation.confidence import error_of_mean, student_quantile
 from simcore.evaluation.rounding import rounded
 from simcore.grains.sieve import read_cases
 from simcore.models.formulas import BEDS, formulas
@@ -35,6 +35,7 @@ BIASES = (
     "separate packings. They may not be added, because they can depend on each other. draft, standard and r22 are "
     "presets of numerical settings; those of r22 are as in Rettinger et al."
 )
+CLEAR = 3.0  # standard errors, beyond which a campaign differs from the committed one
 # Columns by which settings of one study are the same in two campaigns
 _KEYS = (
     *("case", "grain", "mean_FL", "std_FL", "mean_EL", "std_EL", "flatness", "elongation"),
@@ -270,7 +271,7 @@ def check(own, committed, titles, committed_biases=None):
             compared = _same_settings(read_named_table(path), read_named_table(committed[study]))
             if len(compared):
                 errors = np.hypot(compared["n_std_error_own"], compared["n_std_error_committed"])
-                error = np.sqrt((errors**2).sum(skipna=False)) / len(compared)
+                error = error_of_mean(errors)
                 if "grains_own" in compared:
                     sizes += list(compared["grains_own"] / compared["grains_committed"])
                 difference = (compared["n_own"] - compared["n_committed"]).mean()
@@ -283,11 +284,13 @@ def check(own, committed, titles, committed_biases=None):
         "Mean porosity of the settings that this campaign has in common with the committed one. Settings that the "
         f"tables do not list, such as the material and the preset, may differ.{_sizes_in_words(sizes)}"
     )
-    clear = sum(abs(row["z"]) > 3.0 for row in rows)
+    clear = sum(abs(row["z"]) > CLEAR for row in rows)
+    unknown = sum(np.isnan(row["z"]) for row in rows)
     sentence = (
         f"Studies that have settings in common with the committed campaign: {len(rows)}. The mean porosity differs by "
-        f"more than three standard errors in {clear} of them."
+        f"more than {CLEAR:g} standard errors in {clear} of them."
     )
+    sentence += f" In {unknown} of them the standard error is unknown." if unknown else ""
     parts = [paragraph(sentence, "outcome"), rows_table(pd.DataFrame(rows), caption, "report/check")]
     return [*parts, *_effect_of_size(committed_biases)]
 

@@ -13,7 +13,8 @@ from simcore.report.words import value_in_words
 CLEAR = 2.0  # a difference of two packings by more standard errors is not explained by their scatter
 CHANCE = 0.05  # probability, below which the differences of several settings are not explained by their scatter
 FEW = 3  # with fewer rows a figure shows less than the sentence
-_SWEEPS = ("shaking_s", "width_m", "faces", "contact_time_s", "steps_per_contact_time", "mass_kg", "drop_height")
+# Settings of which a study varies one: its figure is a curve, and its sentence is about the lowest and highest value.
+SWEEPS = ("shaking_s", "width_m", "faces", "contact_time_s", "steps_per_contact_time", "mass_kg", "drop_height")
 # Columns of the form of the grains, which may vary with the setting that a sentence is about.
 _OF_FORM = {"case", "grain", "shape_kind", "flatness", "elongation", "mean_FL", "std_FL", "mean_EL", "std_EL"}
 _OF_FORM |= {"FL", "EL", "EQ"}
@@ -35,7 +36,7 @@ def outcome(table, missing="The table has no porosities."):
         table = table.assign(n_std_error=np.nan)
     if "experiment_n" in table and table["experiment_n"].notna().any():
         return [*_experiment(table), *_published(table)]
-    sweep = next((name for name in _SWEEPS if name in table and table[name].nunique() > 1), None)
+    sweep = next((name for name in SWEEPS if name in table and table[name].nunique() > 1), None)
     of_forms = bool({"grain", "mean_FL"} & set(table)) and differ_in_form(table)
     if sweep and not of_forms:
         return [*_sweep(table, sweep), *_published(table)]

@@ -33,7 +33,7 @@ class Section(NamedTuple):
 
 
 def paragraph(text, kind="note"):
-    """Return a paragraph of plain text, or of Markup; kind: note, answer, asked or outcome."""
+    """Return a paragraph of plain text, or of Markup; kind: note, answer, asked, outcome or text."""
     return {"part": "paragraph", "text": text, "kind": kind}
 
 

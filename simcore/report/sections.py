@@ -9,6 +9,7 @@ from simcore.reference.columns.headings import find_heading
 from simcore.report.answers import answer, by_stem, how_sure, unseen
 from simcore.report.outcomes import outcome, shows_more, varied_columns
 from simcore.report.page import Section, bullets, folded, page, paragraph, picture, rows_table, table
+from simcore.report.tables import read_table
 from simcore.report.words import value_in_words
 
 TITLE = "Scree: porosity of gravel from the form of its grains"
@@ -95,7 +96,7 @@ def study_section(title, path, question="", effects="", **more):
     parts; figure, the part with its porosities, which is left out if the sentences contain as much; before and remarks,
     sentences before and after those on what came out.
     """
-    rows = pd.read_csv(path).drop(columns="note", errors="ignore")
+    rows = read_table(path)
     summary, *others = [*more.get("before", ()), *outcome(rows)]
     parts = [paragraph(question or _question(rows), "asked"), paragraph(summary, "outcome")]
     parts += [paragraph(" ".join(others), "text")] if others else []

@@ -93,6 +93,14 @@ def test_the_published_forms_are_63_and_contain_the_mean_form():
     assert published["n_one_class"].unique() == pytest.approx([0.342], abs=5e-4)
 
 
+def test_the_packed_gravels_are_plain_means_over_the_seeds():
+    packed, rows = known_beds().query("set == 'packed'"), pd.read_csv(REFERENCE / "validation.csv")
+    for bed in packed.itertuples():
+        assert bed.n == pytest.approx(rows.loc[rows["case"] == bed.case, "n"].mean(), abs=1e-12)
+        assert bed.n_one_class == pytest.approx(rows.loc[rows["case"] == "U1", "n"].mean(), abs=1e-12)
+    assert len(packed) == 6
+
+
 def test_the_published_slopes_are_those_of_the_coefficients(tables):
     slopes = tables[SLOPES].set_index("model")
     assert slopes.loc[R22, ["slope_U7", "slope_B50"]].tolist() == pytest.approx([0.69, 0.51], abs=5e-3)

@@ -14,6 +14,7 @@ from simcore.campaign.deposits import (
     deposit_rows,
     experiment_differences,
     family,
+    figures_of_fabrics,
     means,
     read_deposits,
     tabulate_deposits,
@@ -229,6 +230,19 @@ def test_fabrics_over_the_spread_of_sizes_are_of_the_form_with_most_spreads():
     assert fabrics["S = 0.5"] is deposits[3]
     assert list(spread_fabrics(["deposit_sizes"] * 2, deposits[:2])) == ["S = 0", "S = 0.5"]
     assert spread_fabrics(["deposit_map"], deposits[:1]) == {}
+
+
+def test_a_campaign_has_the_figures_of_fabrics_that_its_deposits_allow():
+    def scene(eta, beta):
+        return {"shapes": {"eta": eta, "zeta": eta}, "sizes": {"beta": beta}}
+
+    one, spread = scene(1.2, None), scene(1.2, {"spread": 0.2})
+    assert figures_of_fabrics([], []) == []
+    assert figures_of_fabrics(["deposit_map"], [one]) == []
+    assert figures_of_fabrics(["deposit_diagonal"], [scene({"mean": 1.2, "std": 0.1}, None)]) == []
+    assert figures_of_fabrics(["deposit_sizes"], [one]) == [], "a sieve curve has no spread"
+    both = ["histograms", "histograms_over_sizes"]
+    assert figures_of_fabrics(["deposit_diagonal", "deposit_sizes"], [one, spread]) == both
 
 
 def test_deposits_are_tabulated_study_by_study():

@@ -71,7 +71,7 @@ def test_bounds_hold_and_are_compared_with_the_linear_law():
 def test_cost_of_stones_that_sink_no_deeper_than_equals():
     rows = TABLE.query("dashpot == 'implicit' and exponent == 1.0").set_index(["overlap_of", "mass_ratio"]).step_s
     ten, thousand = (rows["linear", ratio] / rows["equals", ratio] for ratio in (10.0, 1000.0))
-    assert f"a factor of {ten:.1f} under a stone of ten times the mass, and of {thousand:.0f} under" in WORDS
+    assert f"a factor of {ten:.1f} under a grain of ten times the mass, and of {thousand:.0f} under" in WORDS
 
 
 def test_softening_law():

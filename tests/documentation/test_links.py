@@ -1,6 +1,6 @@
 """Every link of a page leads to a page, a file or a heading; code names no page that does not exist."""
 
-from docs.generate.links import anchors, dead_links, dead_paths, page_texts
+from tests.helpers.links import anchors, dead_links, dead_paths, page_texts
 
 PAGES = "docs/"  # so that the check of paths in code does not find those of this test
 

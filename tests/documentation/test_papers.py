@@ -103,8 +103,10 @@ def test_numbers_of_the_deposits_follow_from_the_rows():
     assert papers.COMPARED["coordination"]()[1].startswith(
         f"{plain['coordination_number'].mean():.1f} contacts for spheres"
     )
-    p = rows["azimuth_p2_long_axis"].dropna()
-    assert f"{(p < 0.05).sum()} of {len(p)} deposits for long axes" in papers.COMPARED["azimuth"]()[1]
+    p, page = rows["azimuth_p2_long_axis"].dropna(), (ROOT / "docs" / "reference" / "deposits.md").read_text("utf-8")
+    few = f"{(p ** (1 / 1.83) < 0.05).sum()} of"
+    assert f"{few} {len(p)} deposits for long axes" in papers.COMPARED["azimuth"]()[1]
+    assert f"With *c* = {papers.VARIANCE_FACTOR}, {few} the {len(p)} p-values" in page
 
 
 def test_numbers_follow_from_the_rows():

@@ -89,7 +89,9 @@ def test_the_rule_that_keeps_no_model_chooses_the_same(chosen):
 def test_fitted_parameters(chosen):
     names = {"m0": "m0", "kappa": "κ"}
     table = pd.read_csv(REFERENCE / "models" / "size_and_form_parameters.csv")
-    for row in table[table["model"] == chosen.model].itertuples():
+    table = table[table["model"] == chosen.model]
+    assert set(table["parameter"]) == set(names)
+    for row in table.itertuples():
         assert states(HOW_TO, f"| {names[row.parameter]} | {row.value:.2f} ± {row.std_error:.2f} |")
 
 

@@ -138,7 +138,9 @@ def test_directions_of_the_grains():
 
 
 def test_steps_from_one_class_to_wide_curves():
-    for step in measured_steps().itertuples():
+    steps = measured_steps()
+    assert list(steps["case"]) == ["U3", "U5", "U7", "B30", "B50", "B70"]
+    for step in steps.itertuples():
         rain, lattice = (
             "" if np.isnan(n) else f"{n:.3f} ± {error:.3f}".replace("-", "−")
             for n, error in ((step.rain, step.rain_error), (step.lattice, step.lattice_error))
@@ -149,7 +151,9 @@ def test_steps_from_one_class_to_wide_curves():
 
 
 def test_beds_of_one_class_on_lattices_and_as_a_rain():
-    for bed in bases_as_rain().itertuples():
+    beds = bases_as_rain()
+    assert set(beds["form"]) == {"G04", "G08", "G26", "G32", "G50", "G59", "all", "sphere"}
+    for bed in beds.itertuples():
         name = {"all": "all forms", "sphere": "spheres"}.get(bed.form, bed.form)
         (line,) = (line for line in PAGE.splitlines() if line.startswith(f"| {name} |"))
         *_, lattice, rain, rest = (cell.strip() for cell in line.strip("|").split("|"))
@@ -158,14 +162,18 @@ def test_beds_of_one_class_on_lattices_and_as_a_rain():
 
 
 def test_share_of_the_effect_of_form_that_remains():
-    for row in form_slopes(paired_beds()).itertuples():
+    slopes = form_slopes(paired_beds())
+    assert set(slopes["case"]) == {"R2_65", "U5"}
+    for row in slopes.itertuples():
         ending = f"| {row.forms} | {row.slope_lattice:.2f} | {row.slope_rain:.2f} |"
         assert any(row.case in line and line.endswith(ending) for line in PAGE.splitlines())
 
 
 def test_scatter_over_seeds():
     table = scatter_table(read_tables())
-    for row in table[table["case"].isin(["U5", "U5 spheres", "B50, preset wide"])].itertuples():
+    shown = table[table["case"].isin(["U5", "U5 spheres", "B50, preset wide"])]
+    assert len(shown) == 6
+    for row in shown.itertuples():
         scatter = f"| {row.std:.4f} ({row.std_lower:.4f} to {row.std_upper:.4f}) | {row.stated:.4f} | {row.chi2:.1f} |"
         begin = f"| {row.draw} | " if row.case == "U5 spheres" else f"| {row.draw} | {row.n:.4f} "
         assert f"{begin}{scatter}" in PAGE or f"{begin}{scatter[2:]}" in PAGE, scatter

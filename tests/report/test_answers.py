@@ -106,6 +106,9 @@ def test_own_packings_are_compared_with_committed_ones_of_the_same_settings(tabl
     assert "settings in common with the committed campaign: 1. The mean" in sentence["text"]
     assert check({"forms": paths[0]}, {}, {"forms": "Forms"}) == []
     assert "grains" not in compared["caption"]
+    single = own | {"n_std_error": [0.003, float("nan"), 0.003]}
+    sentence, _ = check({"forms": tables["write"]("single", single)}, {"forms": paths[1]}, {"forms": "Forms"})
+    assert "3 standard errors in 0 of them. In 1 of them the standard error is unknown." in sentence["text"]
     # One packing of the campaign for each friction, of which the committed rows have one
     rough = own | {"grain": ["G1", "G1", "G2"], "friction": [0.1, 0.9, 0.5], "grains": 300}
     paths = (

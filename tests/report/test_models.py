@@ -4,8 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from simcore.grains.statistics import mixture_features
 from simcore.models.tables import over_seeds
-from simcore.report.models import require_one_setting, single_form_findings
+from simcore.report.answers import answer
+from simcore.report.models import form_mixture_findings, require_one_setting, single_form_findings
 
 
 def beds(**columns):
@@ -42,3 +44,21 @@ def test_packings_with_another_setting_are_not_mixed():
         single_form_findings([beds(), beds(friction=0.9).assign(study="single_form_rough")], [], 0, 5)
     wide = beds(width_m=0.1).assign(case="U7")
     require_one_setting([beds(width_m=0.06), wide])
+
+
+def test_mixtures_without_a_usable_model_give_empty_tables_and_a_figure_that_says_so(tmp_path):
+    """Eight distributions that vary the flatness only have the same elongation, so that no set of features is left."""
+    rng = np.random.default_rng(2)
+    middle, spread = rng.uniform(0.5, 0.9, 60), rng.uniform(-0.1, 0.1, 60)
+    forms = [
+        mixture_features(np.ones(60), middle, middle * (flatness + spread)) for flatness in np.linspace(0.4, 0.7, 8)
+    ]
+    names = [f"s{k}" for k in range(8)]
+    rows = pd.DataFrame(forms).assign(packing=names, case="U1", sample=names, kind="continuous", n=0.35)
+    packings = rows[["packing", "case", "n"]].assign(n_std_error=0.003, EQ=0.5, EL=0.5, sigma_EQ=0.1, sigma_EL=0.1)
+    found = form_mixture_findings(rows, packings, rows, 0, 5)
+    assert found.models == {} and list(found.tables["models"]) == ["model", "case", "term", "coefficient"]
+    (text,) = found.figures["prediction"].axes[0].texts
+    assert "No model was fitted" in text.get_text()
+    found._replace(figures={}).write({name: tmp_path / f"{name}.csv" for name in found.tables})
+    assert answer({"form_mixture": tmp_path / "models.csv"}) == []

@@ -6,7 +6,7 @@ import pandas as pd
 
 from simcore.models.formulas import BEDS
 from simcore.provenance.digest import ROOT
-from simcore.report.sections import committed_page
+from simcore.report.sections import committed_page, study_section
 
 CAPTIONS = ROOT / "workflow" / "report"
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(8) + (1).to_bytes(4, "big") + (1).to_bytes(4, "big")
@@ -76,6 +76,16 @@ def test_a_study_without_published_values_has_a_caption_without_them(tmp_path):
     assert "Porosity for each setting of the study. In all rows: sieve curve U1; packings 1." in html
     assert "How does the porosity depend on: friction?" in html
     assert html.count("<figure id") == 1
+
+
+def test_a_sentence_has_the_names_of_grains_as_they_are(tmp_path):
+    """A grain may be named 001 or 1e3, which are no numbers."""
+    form = {"FL": [0.8, 2 / 3], "EL": [0.75, 0.6], "EQ": [0.6, 0.4]}
+    rows = pd.DataFrame({"case": "U1", "grain": ["001", "1e3"], **form, "runs": 1, "n": [0.34, 0.37]})
+    rows.assign(n_std_error=0.002, r22_n=float("nan")).to_csv(tmp_path / "mine.csv", index=False)
+    section = study_section("Mine", tmp_path / "mine.csv")
+    (sentence,) = [part["text"] for part in section.parts if part.get("kind") == "outcome"]
+    assert "001" in sentence and "1e3" in sentence
 
 
 def _model(name):

@@ -44,6 +44,7 @@ packings, studies, all_studies = plan.packings, plan.studies, plan.all_studies
 
 # Scripts compare with these tables, so that their results depend on them.
 published = sorted(str(path.relative_to(ROOT)) for path in R22_TABLES.glob("*.csv"))
+published += ["config/cases.tsv"]
 
 # A dry run prints the estimated cost of the campaign. The command line is read because Snakemake does not report a dry
 # run to the workflow before all rules are read.

@@ -1,6 +1,6 @@
 # Deposits of general ellipsoids (config/deposits.yaml). They are not part of `all`; the target is `deposits`. Their
 # packings are made like all others (packings.smk); this file has their evaluation and tables.
-from simcore.campaign.deposits import PREFIX
+from simcore.campaign.deposits import PREFIX, figures_of_fabrics
 
 deposit_studies = plan.studies_named(PREFIX)
 deposit_packings = plan.of(*deposit_studies)
@@ -8,9 +8,11 @@ deposit_tables = ["packings", "means", "maxima", "symmetry", "crossings", "chang
 # Tables and figures that need only the rows.
 row_tables = ["means", "maxima", "symmetry", "changes"]
 row_figures = ["map", "forms", "directions", "sizes", "bridge", "size_distributions"]
-deposit_figures = [*row_figures, "histograms", "picture"]
-if plan.studies_named(PREFIX + "sizes"):
-    deposit_figures += ["histograms_over_sizes"]
+deposit_figures = [
+    *row_figures,
+    *figures_of_fabrics(deposit_packings.study, deposit_packings.specification),
+    "picture",
+]
 # The packing of the picture: the middle one of the diagonal, or of all if there is no diagonal.
 pictured = plan.of(*(plan.studies_named(PREFIX + "diagonal") or deposit_studies))
 pictured = pictured.iloc[len(pictured) // 2 : len(pictured) // 2 + 1]

@@ -42,7 +42,11 @@ if plan.fits_single_forms:
 
 
 if plan.fits_mixtures:
-    models += ["form_mixture", "form_mixture_feature_sets"]
+    models += [
+        "form_mixture",
+        "form_mixture_correlations",
+        "form_mixture_feature_sets",
+    ]
     model_figures += ["form_mixture_sets", "form_mixture_prediction"]
     models += ["application"] if "application" in studies else []
 

@@ -7,6 +7,7 @@ from simcore.campaign.deposits import SOURCE, TABLE, deposit_rows, family
 from simcore.campaign.gathering import check_gathered, finished, gather, record
 from simcore.campaign.job_log import log_to
 from simcore.provenance.machine import describe_host
+from simcore.writing import whole_file
 
 log_to(snakemake.log[0])
 p = snakemake.params
@@ -23,4 +24,5 @@ for study, packings in p.packings.items():
         missing += len(packings) - len(fabrics)
 # The crossing angles follow from all fabrics of the diagonal, of which the rows have only a part.
 if diagonal and not missing:
-    crossings(*zip(*diagonal, strict=True)).to_csv(Path(p.folder) / "deposit_crossings.csv", index=False)
+    with whole_file(Path(p.folder) / "deposit_crossings.csv") as part:
+        crossings(*zip(*diagonal, strict=True)).to_csv(part, index=False)

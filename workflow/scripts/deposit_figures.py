@@ -16,10 +16,10 @@ files, p = snakemake.input, snakemake.params
 packings = pd.read_csv(files.packings, keep_default_na=False, na_values=["", "nan"])
 maxima, crossings = (pd.read_csv(path).dropna(how="all") for path in (files.maxima, files.crossings))
 of_packings = [xr.load_dataset(path) for path in files.fabrics]
-fabrics = diagonal_fabrics(p.studies, of_packings)
 angles = {row.direction: row.angle for row in crossings.itertuples() if row.angle == row.angle}
 figures = figures_of_rows(packings, maxima)
-figures["histograms"] = fabric_figure(fabrics, ["contact_normal", "long_axis"], crossing=angles)
+if of_forms := diagonal_fabrics(p.studies, of_packings):
+    figures["histograms"] = fabric_figure(of_forms, ["contact_normal", "long_axis"], crossing=angles)
 figures["picture"] = packing_figure(read_packing(files.pictured[0]))
 if of_spreads := spread_fabrics(p.studies, of_packings):
     figures["histograms_over_sizes"] = fabric_figure(of_spreads, ["contact_normal", "long_axis"])

@@ -3,6 +3,7 @@
 import pandas as pd
 
 from simcore.campaign.job_log import log_to
+from simcore.reference.named_tables import read_named_table
 from simcore.report.figures.saving import save_figure
 from simcore.report.figures.work_precision import work_precision_figure
 from simcore.verification.machine import describe_machine
@@ -10,7 +11,7 @@ from simcore.verification.packings import cheapest_settings, study_errors, work_
 
 log_to(snakemake.log[0])
 p, output, machine = snakemake.params, snakemake.output, describe_machine()
-tables = list(map(pd.read_csv, snakemake.input.tables))
+tables = list(map(read_named_table, snakemake.input.tables))
 columns = ["study", "packing", "seed", "grains", "n", "n_std_error", "cpu_s"]
 pd.concat([table.assign(study=study) for study, table in zip(p.studies, tables, strict=True)])[columns].round(
     {"n": 6, "n_std_error": 6}

@@ -3,8 +3,8 @@ r"""Exact contacts of bodies with the floor and the cylinder.
 |   ____   |          Every function updates one row of Walls: whether body and wall touch, overlap [m], normal
 |  /    \  |          into the body, and the contact point midway between the surfaces, relative to the centre of
 | /  *   \_|__        the body. The contact point belongs to the deepest point x of the body behind the wall. With
-| \      / |x         patch contact, polyhedra press at the mean of their vertices behind the wall, weighted by
-|  \__x_/  |          depth. It moves continuously also where a face or an edge comes to rest on the wall.
+| \      / |x         patch contact, polyhedra press at the centroid of the part below the floor, or at the mean of
+|  \__x_/  |          the vertices behind the cylinder by depth. Both move continuously when a face comes to rest.
 +----------+  z = 0
      r = 0            The axis of the cylinder is x = y = 0, the floor is z = 0.
 """
@@ -13,10 +13,11 @@ import numpy as np
 
 from simcore.compilation import leaf
 from simcore.dem.contact.patch.axes import Axes, axes_in_base, coordinates
+from simcore.dem.contact.patch.moments import NO_MOMENTS, add_moments, triangle_moments
 from simcore.dem.contact.patch.workspace import start_walk
 from simcore.dem.shapes.polyhedra import support_vertex_along, vertex_of
 from simcore.dem.state.touches import forget_springs
-from simcore.dem.vectors import ZERO, Vec, plus_scaled, read, write
+from simcore.dem.vectors import ZERO, Vec, minus, plus_scaled, read, write
 
 UP = Vec(0.0, 0.0, 1.0)
 DOWNWARD = Axes(Vec(1.0, 0.0, 0.0), Vec(0.0, 1.0, 0.0), Vec(0.0, 0.0, -1.0))
@@ -90,36 +91,66 @@ def floor_convex(shapes, bodies, walls, w):
 
 @leaf
 def floor_patch(shapes, bodies, walls, w, workspace, thread):
-    """Update the patch of a touching polyhedron: depth-weighted moments of its vertices below the floor.
+    """Update the patch of a touching polyhedron: moments of the depth of the part of it that is below the floor.
 
-    Because the polyhedron is convex, edges connect these vertices with each other, and a walk along edges visits all.
+    Because the polyhedron is convex, edges connect its vertices below the floor with each other, and a walk along edges
+    visits all. A face with several of them is used at the one with the smallest number. The origin is the deepest.
     """
     i = walls.body[w]
     base = axes_in_base(bodies, i, DOWNWARD)
     vertices, ring_start, ring = shapes.vertices, shapes.neighbor_start, shapes.neighbors
     height, first = bodies.position[i, 2], shapes.vertex_start[bodies.shape[i]]
+    deepest = coordinates(base, read(vertices, walls.vertex[w]))
+    origin = Vec(deepest.x, deepest.y, height)
     stamp = start_walk(workspace, thread, walls.vertex[w], first)
     mark, stack = workspace.mark, workspace.stack
     n_stack = 1
-    m0, mx, my, mxx, mxy, myy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    m = NO_MOMENTS
     while n_stack > 0:
         n_stack -= 1
         v = stack[thread, n_stack]
-        x, y, down = coordinates(base, read(vertices, v))
-        d = down - height
-        m0, mx, my = m0 + d, mx + d * x, my + d * y
-        mxx, mxy, myy = mxx + d * x * x, mxy + d * x * y, myy + d * y * y
+        corner, last = minus(coordinates(base, read(vertices, v)), origin), ring[ring_start[v + 1] - 1]
+        after = minus(coordinates(base, read(vertices, last)), origin)
         for k in range(ring_start[v], ring_start[v + 1]):
             u = ring[k]
-            depth = coordinates(base, read(vertices, u)).z - height
-            if depth > 0.0 and mark[thread, u - first] != stamp:
+            before, after = after, minus(coordinates(base, read(vertices, u)), origin)
+            if not (before.z > 0.0 and last < v) and not (after.z > 0.0 and u < v):
+                m = add_moments(m, _below_floor(corner, before, after))
+            if after.z > 0.0 and mark[thread, u - first] != stamp:
                 mark[thread, u - first] = stamp
                 stack[thread, n_stack] = u
                 n_stack += 1
-    cx, cy = mx / m0, my / m0
-    walls.point[w, 0], walls.point[w, 1] = cx, cy
-    walls.spread[w, 0], walls.spread[w, 1], walls.spread[w, 2] = mxx / m0 - cx * cx, myy / m0 - cy * cy, 0.0
-    walls.spread[w, 3], walls.spread[w, 4], walls.spread[w, 5] = mxy / m0 - cx * cy, 0.0, 0.0
+            last = u
+    # Faces that point down are clockwise as seen from above, so that the moments are negative.
+    if not m.d < 0.0:
+        for k in range(6):  # by rounding the part has no volume: the contact stays at the deepest vertex, as a point
+            walls.spread[w, k] = 0.0
+        return
+    x, y = m.dx / m.d, m.dy / m.d
+    walls.point[w, 0], walls.point[w, 1] = deepest.x + x, deepest.y + y
+    walls.spread[w, 0], walls.spread[w, 1], walls.spread[w, 2] = m.dxx / m.d - x * x, m.dyy / m.d - y * y, 0.0
+    walls.spread[w, 3], walls.spread[w, 4], walls.spread[w, 5] = m.dxy / m.d - x * y, 0.0, 0.0
+
+
+@leaf
+def _below_floor(a, b, c):
+    """Return the moments of the part of a triangle with positive depth z; a.z is positive."""
+    if b.z > 0.0 and c.z > 0.0:
+        return triangle_moments(a, b, c)
+    if b.z > 0.0:
+        on_bc, on_ca = _at_floor(b, c), _at_floor(a, c)
+        return add_moments(triangle_moments(a, b, on_bc), triangle_moments(a, on_bc, on_ca))
+    if c.z > 0.0:
+        on_ab, on_bc = _at_floor(a, b), _at_floor(c, b)
+        return add_moments(triangle_moments(a, on_ab, on_bc), triangle_moments(a, on_bc, c))
+    return triangle_moments(a, _at_floor(a, b), _at_floor(a, c))
+
+
+@leaf
+def _at_floor(below, above):
+    """Return the point between two points, of positive and of no positive depth z, where the depth is zero."""
+    share = below.z / (below.z - above.z)
+    return Vec(below.x + share * (above.x - below.x), below.y + share * (above.y - below.y), 0.0)
 
 
 @leaf

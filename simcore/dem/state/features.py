@@ -18,7 +18,7 @@ class Features(NamedTuple):
     cylinder: bool = False
     periodic: bool = True  # horizontally: pairs may meet through images
     shaken: bool = True
-    patch: bool = False  # polyhedra press at the centroid of their overlap, on a wall at that of the vertices behind it
+    patch: bool = False  # polyhedra press at the centroid of their overlap, on a wall at that of the part behind it
     implicit: bool = False  # implicit dashpots: they include the change of velocity within the step
     timed: bool = False  # count the processor cycles of each stage of the step
     potential: bool = False  # contacts of ellipsoids by their potentials instead of a common normal

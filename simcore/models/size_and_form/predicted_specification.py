@@ -1,9 +1,8 @@
 """Writes the specification of a packing that checks a predicted porosity."""
 
-from pathlib import Path
-
 from simcore.models.size_and_form.bed_forms import read_bed_forms
 from simcore.packing.sieve_specification import sieve_specification
+from simcore.writing import whole_file
 
 
 def write_specification(path, curve, forms=None, column=None, finest=None, coarsest=None, *, draw=True) -> list[str]:
@@ -19,7 +18,8 @@ def write_specification(path, curve, forms=None, column=None, finest=None, coars
     elif forms is not None:
         sample = bed.samples[0]
     text, notices = sieve_specification(bed.curve.without_empty_ends(), bed.source, sample, classes, draw=draw)
-    Path(path).write_text(text, encoding="utf-8")
+    with whole_file(path) as part:
+        part.write_text(text, encoding="utf-8")
     return notices
 
 

@@ -30,6 +30,7 @@ SETS = (MEASURED, PACKED)  # beds whose errors the model states
 CANDIDATE, UNFITTED = "H", {"K": POURED_COMPACTION, "m0": 1.0, "kappa": 0.0}
 NOT_FITTED = f"{CANDIDATE}, not fitted"  # its name in the table of candidates
 ANY = 1e9  # limit of a ratio that is not limited
+SINGLE_FORMS_OF_R22 = "single forms of Rettinger et al."  # in size_models_measured.csv
 ENDS = (0.32, 0.38)  # one-class porosities between which the effect of form is compared, about that of the 63 forms
 # Families of sieve curves of config/curves.tsv and config/cases.tsv, without that of the bases
 WIDE_FAMILIES = {"binary_2_to_3", "binary_4_to_8", "log_normal", "two_modes", "fractal", "skewed_and_gap"}
@@ -138,7 +139,7 @@ def _form_error(candidate, parameters):
     forms, in size_models_measured.csv. The larger difference of U7 and B50 counts.
     """
     table = pd.read_csv(REFERENCE / "size_models_measured.csv")
-    published = table[table["model"] == "single forms of Rettinger et al."].iloc[0]
+    published = table[table["model"] == SINGLE_FORMS_OF_R22].iloc[0]
     ratios = []
     for case in OF_ONE_FORM:
         dense, loose, mean = (

@@ -9,9 +9,9 @@ from scipy.stats import norm
 
 from simcore.report.figures.zingg import SHADES, draw_fields
 
-# Markers and greys that can be distinguished in print without colour.
 _OPENINGS = [1, 1.4, 2, 2.8, 4, 5.6, 8, 11.2, 16, 22.4, 31.5, 45, 63, 90, 125, 180, 250, 355, 500, 710]  # [mm]
 MOST_CLASSES = 8
+# Markers and greys that can be distinguished in print without colour.
 _STYLES = [("o", "0.15"), ("^", "0.55"), ("s", "white"), ("x", "0.35")]
 
 

@@ -76,8 +76,11 @@ def prediction_figure(predictions, models=()):
     """Draw predicted against simulated porosity, for our models and, in a second panel, those of Rettinger et al.
 
     predictions: columns case, simulated, predicted and, optionally, n_std_error of the simulated and r22_predicted;
-    models: PorosityModels, whose R² and root mean square error are given in the legend.
+    models: PorosityModels, whose R² and root mean square error are given in the legend. Without predictions the figure
+    is empty and says so.
     """
+    if predictions.empty:
+        return _without_predictions()
     has_r22 = "r22_predicted" in predictions and predictions["r22_predicted"].notna().any()
     panels = {"predicted": "our model"} | ({"r22_predicted": "model of Rettinger et al."} if has_r22 else {})
     figure = Figure(figsize=(0.4 + 4.2 * len(panels), 4.6), layout="constrained")
@@ -109,6 +112,15 @@ def _quality(rows, column, model):
         return f": R² = {model.r_squared:.3f}, RMSE = {model.rmse:.4f}" if model else ""
     error = rows[column] - rows["simulated"]
     return f": mean error {error.mean():+.4f}, RMS {np.sqrt(np.mean(error**2)):.4f}".replace("-", "−")
+
+
+def _without_predictions():
+    """Return a figure that says why it is empty."""
+    figure = Figure(figsize=(4.6, 1.6), layout="constrained")
+    axes = figure.subplots()
+    axes.set_axis_off()
+    axes.text(0.5, 0.5, "No model was fitted; the log has the reasons.", ha="center", va="center")
+    return figure
 
 
 def shape_kind_figure(pairs, near_spheres=None):

@@ -8,16 +8,17 @@ from matplotlib.lines import Line2D
 
 from simcore.reference.columns.headings import find_heading
 from simcore.report.figures.models import LINES, STYLES
-from simcore.report.outcomes import differ_in_form, named_setting, other_settings
+from simcore.report.outcomes import SWEEPS, differ_in_form, named_setting, other_settings
 from simcore.report.words import value_in_words
 
 R22 = "Rettinger et al."  # in legends
 OUR_STYLE, R22_STYLE = {"color": "#20313b", "fmt": "o"}, {"color": "#b3541e", "fmt": "D", "mfc": "white"}
-# Columns that are drawn as an axis: label, and factor to its unit; None: the values are labels in order.
-SWEEPS = {
-    "shaking_s": ("duration of shaking [s]", 1.0),
-    "width_m": ("width of the domain [mm]", 1e3),
-    "faces": ("maximum number of faces of a polyhedron [-]", None),
+# Labels of axes whose headings in tables are too short.
+_AXES = {
+    "shaking_s": "duration of shaking [s]",
+    "width_m": "width of the domain [mm]",
+    "faces": "maximum number of faces of a polyhedron [-]",
+    "mass_kg": "mass [kg]",
 }
 FORM_COLUMNS = ("grain", "flatness", "elongation", "mean_FL", "mean_EL")
 TREND_LIMIT = 2.7  # P(|z| > 2.7) = 0.0069; for four quantities this is 1/36
@@ -81,9 +82,10 @@ def sweep_figure(table, column):
 
     table: as for study_figure, with `column`, one of SWEEPS; settings in words, such as "original", come last.
     """
-    name, factor = SWEEPS[column]
-    settings = _in_order(table[column])
-    position = {str(value): k if factor is None else factor * float(value) for k, value in enumerate(settings)}
+    heading, settings = find_heading(column), _in_order(table[column])
+    # Numbers of faces are given by factors, and "original" is none: they are labels in order.
+    labelled = column == "faces" or not all(map(_is_number, settings))
+    position = {str(value): k if labelled else heading.factor * float(value) for k, value in enumerate(settings)}
     figure = Figure(figsize=(5.0, 4.2), layout="constrained")
     axes = figure.subplots()
     for (case, rows), (marker, color), line in zip(
@@ -101,9 +103,9 @@ def sweep_figure(table, column):
                 x, rows["r22_n"], rows.get("r22_n_std"), marker=marker, color=color, mfc="white", ls=line, ms=6,
                 lw=0.6, capsize=2, label=f"{case}, {R22}" + _bars(rows.get("r22_n_std")),
             )  # fmt: skip
-    if factor is None:
+    if labelled:
         axes.set_xticks(range(len(settings)), [str(value) for value in settings])
-    axes.set(xlabel=name, ylabel="porosity n [-]")
+    axes.set(xlabel=_AXES.get(column, f"{heading.words} [{heading.unit or '-'}]"), ylabel="porosity n [-]")
     axes.margins(x=0.08)
     axes.grid(color="0.93", lw=0.6)
     axes.set_axisbelow(True)

@@ -4,8 +4,10 @@ import numba
 import numpy as np
 import pytest
 from scipy.optimize import minimize
+from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.contact.walls import (
     cylinder_convex,
     cylinder_ellipsoid,
@@ -13,6 +15,7 @@ from simcore.dem.contact.walls import (
     cylinder_sphere,
     floor_convex,
     floor_ellipsoid,
+    floor_patch,
     floor_sphere,
 )
 from simcore.dem.shapes.polyhedra import POLYHEDRON, collect_shapes
@@ -189,6 +192,64 @@ def test_a_tilted_needle_touches_with_its_end():
         deepest_in_cylinder(np.array([0.05, 0.05, 1.5]), bodies.rotation[0], np.array([0.3, 0.6, 5.0])), abs=1e-9
     )
     assert nearer_met.overlap[0, CYLINDER] > 0.0
+
+
+@numba.njit(error_model="numpy")
+def patch_at_floor(shapes, bodies, walls, workspace):
+    for w in range(len(walls.body)):
+        if walls.wall[w] == FLOOR and floor_convex(shapes, bodies, walls, w):
+            floor_patch(shapes, bodies, walls, w, workspace, 0)
+
+
+def below_floor(vertices, faces):
+    """Return (centroid (2,), second moments (2, 2)) of the part of a polyhedron below z = 0, from its hull."""
+    edges = np.array(
+        sorted({tuple(sorted(edge)) for face in faces for edge in zip(face, np.roll(face, 1), strict=True)})
+    )
+    low, high = vertices[edges[:, 0]], vertices[edges[:, 1]]
+    crossing = (low[:, 2] > 0) != (high[:, 2] > 0)
+    low, high = low[crossing], high[crossing]
+    cut = low + (low[:, 2] / (low[:, 2] - high[:, 2]))[:, None] * (high - low)
+    part = ConvexHull(np.concatenate([vertices[vertices[:, 2] <= 0], cut]))
+    middle = part.points.mean(axis=0)
+    volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
+    for corners in part.points[part.simplices] - middle:
+        size = abs(np.linalg.det(corners)) / 6
+        total = corners.sum(axis=0)
+        volume, first = volume + size, first + size * total / 4
+        second += size / 20 * (corners.T @ corners + np.outer(total, total))
+    centroid = first / volume
+    return (centroid + middle)[:2], (second / volume - np.outer(centroid, centroid))[:2, :2]
+
+
+@pytest.mark.parametrize("depth", [0.3, 1e-2, 1e-5])
+def test_the_patch_on_the_floor_is_the_part_below_it(depth):
+    """Random pebbles, and boxes that lie on a face, an edge or a corner or are slightly tilted."""
+    rng = np.random.default_rng(5)
+    base = [make_pebble(5, 60), make_box((2.0, 1.5, 1.0))]
+    quarter, tilt = Rotation.from_rotvec([np.pi / 4, 0.0, 0.0]), Rotation.from_rotvec([0.3 * depth, 0.2 * depth, 0.0])
+    turns = [Rotation.random(rng=rng) for _ in range(20)] + [Rotation.identity(), quarter, tilt, quarter * tilt]
+    shape = np.array([0] * 12 + [1] * 12)
+    points, faces = [each.vertices for each in base], [each.faces for each in base]
+    placed = [turn.apply(points[k]) for turn, k in zip(turns, shape, strict=True)]
+    height = np.array([-vertices[:, 2].min() - depth for vertices in placed])
+    position = np.stack([0.1 * np.arange(24), np.zeros(24), height], axis=1)
+    orientation = np.array([turn.as_quat(scalar_first=True) for turn in turns])
+    still = np.zeros((24, 3))
+    bodies = make_bodies(base, shape, np.ones((24, 3)), position, orientation, still, still, density=1.0)
+    shapes = collect_shapes(base)
+    walls = list_candidates(
+        bodies, shapes, Box(0.0), 100.0, Features(POLYHEDRON, True, periodic=False, patch=True)
+    ).walls
+    patch_at_floor(shapes, bodies, walls, make_workspace(shapes, 1))
+    for w, i in enumerate(walls.body):
+        centroid, moments = below_floor(placed[i] + [0.0, 0.0, height[i]], faces[shape[i]])
+        size = np.ptp(placed[i], axis=0).max()
+        np.testing.assert_allclose(walls.point[w, :2], centroid, atol=1e-7 * size)
+        xx, yy, xy = walls.spread[w, [0, 1, 3]]
+        np.testing.assert_allclose([[xx, xy], [xy, yy]], moments, atol=1e-7 * size**2)
+        assert walls.point[w, 2] == pytest.approx(-height[i] - 0.5 * depth, abs=1e-12)
+    assert len(walls.body) == 24
 
 
 @numba.njit(error_model="numpy")

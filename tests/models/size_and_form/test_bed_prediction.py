@@ -93,6 +93,14 @@ def test_the_range_of_the_state_is_that_of_the_beds_behind_it():
     assert states().long_shaken < 0 < states().not_shaken
 
 
+def test_beds_without_both_times_of_shaking_do_not_count(tmp_path):
+    """Rows are gathered one bed at a time, so that a seed may have only one of the two."""
+    rows = pd.read_csv(REFERENCE / "shaking_cylinder.csv")
+    one = rows[(rows["case"] == "U7") & (rows["shaking_s"] == 0.0)].assign(seed=2, n=0.9)
+    pd.concat([rows, one]).to_csv(tmp_path / "shaking_cylinder.csv", index=False)
+    assert states(tmp_path) == states()
+
+
 def test_the_interval_adds_its_three_errors(fitted):
     curve, model = all_cases()["B50"].curve, current_model()
     row = predict_curve(curve, [sample(mu_FL=0.45)], fitted).iloc[0]

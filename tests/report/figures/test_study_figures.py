@@ -36,6 +36,13 @@ def test_a_time_is_an_axis_in_order(tmp_path):
     np.testing.assert_allclose(points["U7, Rettinger et al."], [[1, 0.291], [3, 0.285], [6, 0.282]])
 
 
+def test_a_contact_time_is_an_axis_with_the_words_of_tables():
+    rows = table(case=["U1"] * 3, contact_time_s=[1e-3, 1e-4, 5e-4], n=[0.36, 0.34, 0.35])
+    axes = porosities_figure(rows, ["contact_time_s"]).axes[0]
+    assert axes.get_xlabel() == "contact time [ms]"
+    np.testing.assert_allclose(error_bar_points(axes)["U1, simulated (± std. error)"][:, 0], [0.1, 0.5, 1.0])
+
+
 def test_a_width_is_given_in_millimetres():
     rows = table(case=["U7"] * 2, width_m=[0.1, 0.2], mass_kg=[4.0, 16.0], n=[0.28, 0.3])
     axes = porosities_figure(rows, ["case", "width_m", "mass_kg"]).axes[0]
