@@ -74,7 +74,7 @@ def __getattr__(name):
     module, attribute = _PUBLIC[name]
     value = getattr(import_module(module), attribute)
     if name in _OF_A_PACKING:
-        value = import_module("simcore.packing.file").takes_paths(value)
+        value = import_module("simcore.packing.file").takes_paths(value, name)
     globals()[name] = value
     return value
 

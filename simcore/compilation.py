@@ -193,6 +193,6 @@ def set_threads(n_threads: int) -> None:
     if not 1 <= n_threads <= limit:
         raise ValueError(
             f"threads: {n_threads} is not possible, since numba can use 1 to {limit} here; "
-            f"change --threads, or set NUMBA_NUM_THREADS before the start"
+            f"change --threads (in Python: threads), or set NUMBA_NUM_THREADS before the start"
         )
     numba.set_num_threads(n_threads)

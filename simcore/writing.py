@@ -18,6 +18,8 @@ def whole_file(path):
         yield part
         os.replace(part, file)
     except (OSError, RuntimeError) as error:
+        if not file.parent.is_dir():
+            raise OSError(f"{path} cannot be written: the folder {file.parent} does not exist; make it first") from None
         refused = isinstance(error, FileNotFoundError | PermissionError | IsADirectoryError | NotADirectoryError)
         remedy = "Check the folder and your rights in it." if refused else "Check that there is free space on its disk."
         raise OSError(f"{path} cannot be written ({error}). {remedy}") from error

@@ -27,7 +27,7 @@ from simcore.campaign.gathering import table_of
 from simcore.models.fitting import fit_reference_models
 from simcore.models.packing_models.curves import gap, span
 from simcore.models.size_and_form.bases import PROCESS, fit_bases
-from simcore.models.size_and_form.beds import BASE, flags, form_labels, read_beds
+from simcore.models.size_and_form.beds import ALL_FORMS, BASE, flags, form_labels, read_beds
 from simcore.models.size_and_form.candidates import predict
 from simcore.models.size_and_form.comparison import compare, covariance_rows, parameter_rows
 from simcore.models.size_and_form.fit import fit_candidate, predict_beds
@@ -42,6 +42,7 @@ from simcore.scene.specification import resolve
 STUDY, OTHER_BASES = "size_and_form", "base_process"
 CONFIGURATION = CONFIG / "size_and_form.yaml"
 TABLES = ("candidates", "parameters", "covariance", "beds")
+UNSTRETCHED = {"m0": 1.0, "kappa": 0.0}
 SPHERES_BY, FEWEST_SPHERES = ("L", "F", "H"), 4
 
 
@@ -140,12 +141,34 @@ def compare_all(rows):
     parameters = parameter_rows(comparison.fits, len(np.unique(beds.family)) - 1)
     print("\nFitted parameters with their 95 % intervals")
     print(parameters.to_string(index=False, float_format="%.4f"))
+    print("\nMean absolute errors of L, and of L without its stretch, to which nothing is fitted")
+    print(unstretched_errors(beds, comparison).to_string(float_format="%.4f"))
     print("\nErrors of the fits on the flagged beds, which they do not contain")
     print(flagged_errors(rows, comparison.fits).to_string(index=False, float_format="%.4f"))
     print("\nRoot mean square errors of the fits on beds of known porosity, from their own one-class porosity")
     print(known_errors(comparison.fits).to_string(float_format="%.4f"))
     parts = (comparison.table, parameters, covariance_rows(comparison.fits), beds_table(beds, comparison))
     return dict(zip(TABLES, parts, strict=True))
+
+
+def unstretched_errors(beds, comparison) -> pd.DataFrame:
+    """Return the errors of L without its stretch beside those of L without the family of each bed.
+
+    The weighted mean absolute errors (as in `compare`) over all Beds, those of one form and those of all forms: rows L
+    and "L without stretch", columns all, one form, all forms.
+    """
+    weights = 1.0 / (beds.error**2 + comparison.scatter**2)
+    one_form = np.array(beds.form) != ALL_FORMS
+    groups = {"all": np.ones(len(one_form), bool), "one form": one_form, "all forms": ~one_form}
+    predictions = {"L": comparison.by_family["L"], "L without stretch": predict_beds("L", beds, UNSTRETCHED)}
+    rows = {
+        name: {
+            group: float(np.average(np.abs(predicted - beds.n)[chosen], weights=weights[chosen]))
+            for group, chosen in groups.items()
+        }
+        for name, predicted in predictions.items()
+    }
+    return pd.DataFrame(rows).T
 
 
 def flagged_errors(rows, fits) -> pd.DataFrame:

@@ -43,6 +43,7 @@ from simcore.models.size_and_form.known_beds import (
 from simcore.models.size_and_form.sized_model import current_model, unfitted_model
 from simcore.models.size_and_form.stretch import REFERENCE_EL, REFERENCE_EQ, REFERENCE_POROSITY
 from simcore.paths import REFERENCE
+from simcore.reference.committed_rows import read_single_forms
 from simcore.reference.r22_comparison import ROUNDING
 from simcore.report.figures.saving import save_figure
 from simcore.scene.sizes import all_cases
@@ -50,6 +51,7 @@ from simcore.scene.sizes import all_cases
 KNOWN, OF_DISTRIBUTIONS, SLOPES = (f"size_and_form_{name}.csv" for name in ("known", "mixtures", "slopes"))
 OURS = "size and form"
 R22 = "Rettinger et al."
+PACKED_FORMS = "packings of one form"
 # Candidates without fitted parameters: name, parameters. The first one is used as long as no parameter is fitted.
 UNFITTED = {
     "H, K = 4.1": ("H", {"K": POURED_COMPACTION}), "L": ("L", {}), "F": ("F", {}),
@@ -146,10 +148,11 @@ def half_width(curve, n, one_class, of_rhine):
 def slopes_table(names=None):
     """Return the slopes of the porosity of wide curves on that of U1, by linear regression over forms.
 
-    One row per model, the published ones of Rettinger et al. first: model, slope_U7 and slope_B50 over the 63 forms of
-    `known_forms`, each with its standard error, and slope_mixtures over the distributions of `known_mixtures`. The
-    standard error of the published slopes is that of the rounding of the coefficients. That of the current model
-    follows from the covariance of its parameters; nan without fitted parameters.
+    One row per model, the published ones of Rettinger et al. first, then our packings of one form: model, slope_U7 and
+    slope_B50 over the 63 forms of `known_forms`, or over the packed ones, each with its standard error, and
+    slope_mixtures over the distributions of `known_mixtures`. The standard error of the published slopes is that of the
+    rounding of the coefficients. That of the current model follows from the covariance of its parameters; nan without
+    fitted parameters.
     names: of models, None: all.
     """
     forms, mixtures = known_forms(), known_mixtures()
@@ -158,7 +161,7 @@ def slopes_table(names=None):
     row = {"model": R22}
     for case in curves:
         row |= {f"slope_{case}": _slope(n1, forms[f"n_{case}"]), f"slope_{case}_std_error": _rounding(case, forms)}
-    rows = [row | {"slope_mixtures": _slope(mixtures["n_one_class"], mixtures["n"])}]
+    rows = [row | {"slope_mixtures": _slope(mixtures["n_one_class"], mixtures["n"])}, packed_slopes()]
     of_mixtures, of_rhine = (mixtures["mu_EQ"].to_numpy(), mixtures["mu_EL"].to_numpy()), _of_rhine_mixture()
     for name, porosity in models(names).items():
         row = {"model": name}
@@ -168,6 +171,18 @@ def slopes_table(names=None):
         wide = porosity(curves[OF_MIXTURES], mixtures["n_one_class"].to_numpy(), of_mixtures, of_rhine)
         rows.append(row | {"slope_mixtures": _slope(mixtures["n_one_class"], wide)})
     return pd.DataFrame(rows).round(4)
+
+
+def packed_slopes():
+    """Return the slopes of our packings of one form in U7 and B50 on those in U1, over the forms that have both."""
+    rows = read_single_forms(REFERENCE / "single_form.csv", "synthetic", [BASE, *OF_ONE_FORM])
+    n = rows.groupby(["grain", "case"])["n"].mean().unstack()
+    slopes = {"model": PACKED_FORMS}
+    for case in OF_ONE_FORM:
+        both = n[[BASE, case]].dropna()
+        (slope, _), covariance = np.polyfit(both[BASE], both[case], 1, cov=True)
+        slopes |= {f"slope_{case}": float(slope), f"slope_{case}_std_error": float(np.sqrt(covariance[0, 0]))}
+    return slopes
 
 
 def _slope(one_class, n):

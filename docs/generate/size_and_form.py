@@ -7,6 +7,7 @@ from benchmarks.studies.size_and_form_validation import (
     KNOWN,
     OF_DISTRIBUTIONS,
     OURS,
+    PACKED_FORMS,
     R22,
     SETS,
     SLOPES,
@@ -240,8 +241,9 @@ def _ranges(mixtures):
 def _slope_rows(slopes):
     rows = [
         [_MODELS.get(row.model, row.model), _with_error(row.slope_U7, row.slope_U7_std_error),
-         _with_error(row.slope_B50, row.slope_B50_std_error), f"{row.slope_mixtures:.2f}"]
-        for row in slopes.itertuples() if row.model in (R22, *_MODELS)
+         _with_error(row.slope_B50, row.slope_B50_std_error),
+         "" if np.isnan(row.slope_mixtures) else f"{row.slope_mixtures:.2f}"]
+        for row in slopes.itertuples() if row.model in (R22, PACKED_FORMS, *_MODELS)
     ]  # fmt: skip
     return table(["model", "U7, 63 forms", "B50, 63 forms", "U7, 52 distributions"], rows)
 
@@ -251,8 +253,8 @@ def _judgement(slopes):
     ours, theirs = (slopes.set_index("model").loc[name] for name in (OURS, R22))
     sentences = [
         "± is a standard error. That of the published slopes follows from the rounding of their coefficients to three "
-        "decimals, that of this model from the covariance of its fitted parameters. Models without ± have no fitted "
-        "parameter."
+        "decimals, that of this model from the covariance of its fitted parameters, that of packings of one form from "
+        "their scatter about the line. Models without ± have no fitted parameter."
     ]
     for case in ("U7", "B50"):
         name = f"slope_{case}"

@@ -12,7 +12,7 @@ LIMITS = {
     "restitution": (0.0, 1.0, "(]"),
     "friction": (0.0, np.inf, "[)"),
     "poisson_ratio": (-1.0, 0.5, "(]"),
-    "contact_time": (0.0, np.inf, "()"),
+    "contact_time": (1e-12, np.inf, "[)"),
     "steps_per_contact_time": (0.0, np.inf, "()"),
     "gravity": (-np.inf, np.inf, "()"),
     "width": (0.0, np.inf, "()"),
@@ -23,7 +23,10 @@ LIMITS = {
 
 def check_shapes(shapes):
     """Return the shapes as a list; ValueError if it is empty or if one of them is not a Shape."""
-    shapes = [shapes] if isinstance(shapes, Shape) else list(shapes)
+    try:
+        shapes = [shapes] if isinstance(shapes, Shape) else list(shapes)
+    except TypeError:
+        raise ValueError(f"Simulation: shapes is {shapes!r}; give a list of shapes.") from None
     for i, shape in enumerate(shapes):
         if not isinstance(shape, Shape):
             raise ValueError(
@@ -37,7 +40,10 @@ def check_shapes(shapes):
 
 def check_index(shape, n_shapes):
     """Return the indices (n,) of the shapes of bodies; ValueError unless they are whole numbers below n_shapes."""
-    index = np.asarray(shape)
+    try:
+        index = np.asarray(shape)
+    except ValueError:
+        raise ValueError("Simulation: shape has rows of different length; give one index for each body.") from None
     if index.ndim != 1 or len(index) == 0 or not np.issubdtype(index.dtype, np.integer):
         raise ValueError(
             f"Simulation: shape has the form {index.shape} and the type {index.dtype}; give the index of the shape of "
@@ -73,13 +79,14 @@ def rows_of(name, value, n, width, per_body=False):
 
 def rotations_of(quaternions):
     """Return the Rotation of quaternions (n, 4), (w, x, y, z); ValueError if one is zero."""
-    zero = np.flatnonzero(~(np.abs(quaternions).max(axis=1) > 0.0))
+    largest = np.abs(quaternions).max(axis=1)
+    zero = np.flatnonzero(~(largest > 0.0))
     if len(zero):
         raise ValueError(
             f"Simulation: orientation of body {zero[0]} is zero; give a quaternion (w, x, y, z). {UPRIGHT} is no "
             "rotation."
         )
-    return Rotation.from_quat(quaternions, scalar_first=True)
+    return Rotation.from_quat(quaternions / largest[:, None], scalar_first=True)
 
 
 def check_number(name, value):

@@ -2,6 +2,7 @@
 
 import functools
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -103,14 +104,22 @@ def _stability_attributes(stability):
 
 
 def write_packing(path, packing: xr.Dataset) -> None:
-    """Write under a temporary name and rename, so that `path` is never incomplete. OSError if this fails."""
+    """Write a packing, a Dataset as from `pack` or `read_packing`, to a netCDF file, whole or not at all.
+
+    ValueError if it is not a whole packing, or if `path` has the name of a specification (.yaml); OSError if the file
+    cannot be written.
+    """
+    path = check_path("write_packing", path)
+    if path.suffix in (".yaml", ".yml"):
+        raise ValueError(f"{path} has the name of a specification; give the packing a name that ends in .nc.")
+    check_content("write_packing: the Dataset", check_dataset("write_packing", packing))
     with whole_file(path) as part:
         packing.to_netcdf(part, engine="netcdf4")
 
 
 def read_packing(path) -> xr.Dataset:
     """Return the packing, read into memory. ValueError if the file is missing, in use or not a whole packing."""
-    path = Path(path)
+    path = check_path("read_packing", path)
     if not path.is_file():
         raise ValueError(f"{path}: there is no such file. Make it with `scree pack SPEC.yaml {path}`.")
     if path.suffix in (".yaml", ".yml"):
@@ -129,15 +138,35 @@ def read_packing(path) -> xr.Dataset:
     return packing.rename({old: new for old, new in RENAMED.items() if old in packing})
 
 
-def takes_paths(function):
-    """Return a function of a packing that takes the path of a packing's file instead, too."""
+def takes_paths(function, name):
+    """Return a function of a packing that takes the path of a packing's file instead, too. name: for its errors."""
 
     @functools.wraps(function)
     def of_packing(packing, *arguments, **options):
-        packing = packing if isinstance(packing, xr.Dataset) else read_packing(packing)
+        if isinstance(packing, str | os.PathLike):
+            packing = read_packing(packing)
+        else:
+            check_content(f"{name}: the Dataset", check_dataset(name, packing))
         return function(packing, *arguments, **options)
 
     return of_packing
+
+
+def check_dataset(caller, packing):
+    """Return `packing`; ValueError, which names the caller, unless it is a Dataset."""
+    if not isinstance(packing, xr.Dataset):
+        raise ValueError(
+            f"{caller}: the packing is of the type {type(packing).__name__}; give the path of a file that `scree pack` "
+            "wrote, or a Dataset of read_packing."
+        )
+    return packing
+
+
+def check_path(caller, path):
+    """Return a path as Path; ValueError, which names the caller, if it is something else."""
+    if not isinstance(path, str | os.PathLike):
+        raise ValueError(f"{caller}: the path is of the type {type(path).__name__}; give the name of a file first.")
+    return Path(path)
 
 
 def _is_in_use(path):

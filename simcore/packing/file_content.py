@@ -15,6 +15,8 @@ ATTRIBUTES = ("domain_shape", "domain_width")
 POSITIVE = ("L", "I", "S", "D", "volume")
 OF_CONTACTS = ("contact_normal", "contact_point", "contact_overlap", "contact_force")
 DOMAINS = ("periodic", "cylinder")
+SPHERE = 4.0 / 3.0 * np.pi  # volume of the unit sphere
+ALIKE = 1e-3  # largest relative difference of a grain's volume and that of its shape and scale
 UNIT = 1e-6  # largest deviation of the norm of an orientation from 1
 FARTHEST = 1e4  # maximum distance of a grain from the origin, in widths of the domain
 
@@ -47,6 +49,7 @@ def check_content(path, packing) -> None:
         if grains.any():
             grain = int(np.argmax(grains))
             raise _damaged(path, f"{name} of grain {grain} is {packing[name].values[grain]}")
+    _check_volumes(path, packing)
     if (packing["contact_body"].values >= packing.sizes["grain"]).any():
         raise _damaged(path, "a contact is of a grain that does not exist")
     for name in OF_CONTACTS:
@@ -55,6 +58,25 @@ def check_content(path, packing) -> None:
         if contacts.any():
             contact = int(np.argmax(contacts))
             raise _damaged(path, f"{name} of contact {contact} is {packing[name].values[contact]}")
+
+
+def _check_volumes(path, packing):
+    """Raise ValueError unless the volume of each grain is that of its base shape times the product of its scale."""
+    starts, counts = (packing[f"shape_face_{name}"].values for name in ("start", "count"))
+    vertex_starts, vertices = packing["shape_vertex_start"].values, packing["shape_vertices"].values
+    base = np.full(packing.sizes["shape"], SPHERE)
+    for i in np.flatnonzero(counts):
+        corners = vertices[vertex_starts[i] + packing["shape_faces"].values[starts[i] : starts[i] + counts[i]]]
+        base[i] = np.linalg.det(corners).sum() / 6.0
+    expected = base[packing["shape"].values] * packing["scale"].values.prod(axis=1)
+    volume = packing["volume"].values
+    wrong = np.flatnonzero(~(np.abs(volume - expected) <= ALIKE * np.abs(expected)))
+    if len(wrong):
+        grain = wrong[0]
+        raise ValueError(
+            f"{path}: volume of grain {grain} is {volume[grain]:.6g} m³, but its shape and scale give "
+            f"{expected[grain]:.6g} m³. scale contains semi-axes [m], not diameters, and volume is in m³."
+        )
 
 
 def _damaged(path, what):

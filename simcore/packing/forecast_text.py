@@ -83,7 +83,8 @@ def check_setup(setup: Setup, sample=None, cut: float | None = None) -> None:
         check_bed(scene.domain, grains, scene.material.density, cut)
     except ValueError as error:
         raise ValueError(
-            f"{error} To pack it anyway, and to evaluate it with a smaller `porosity --cut`, add --force."
+            f"{error} To pack it anyway, and to evaluate it with a smaller `porosity --cut`, add --force (in Python: "
+            "force=True)."
         ) from None
 
 

@@ -109,7 +109,7 @@ def test_boxes_come_to_rest_on_the_floor_and_on_each_other():
 
 def test_a_position_that_becomes_infinite_is_an_error():
     fast = collision(velocity=[(0.0, 0.0, 0.0), (1.7e308, 0.0, 0.0)], contact_time=1e3)
-    with pytest.raises(FloatingPointError, match="position of body 1 is not finite after step"):
+    with pytest.raises(FloatingPointError, match="position of body 1 is not finite, or beyond 1e.09 m, after step"):
         fast.advance(1e4)
 
 
@@ -118,6 +118,9 @@ def test_a_position_that_becomes_infinite_is_an_error():
     [
         ({"shapes": [BALL.base]}, r"shapes\[0\] is a Base; make shapes with simcore.sphere"),
         ({"shapes": []}, "shapes is empty"),
+        ({"shapes": None}, "shapes is None; give a list"),
+        ({"shape": [[0], [0, 0]]}, "shape has rows of different length"),
+        ({"contact_time": 1e-300}, r"contact_time is 1e-300; give a number in \[1e-12, inf\)"),
         ({"shape": [0, -1]}, "shape of body 1 is -1; give an index from 0 to 0"),
         ({"shape": [0.0, 0.7]}, r"shape has the form \(2,\) and the type float64"),
         ({"shape": []}, r"shape has the form \(0,\)"),
@@ -153,6 +156,46 @@ def test_bodies_that_overlap_or_lie_below_the_floor_are_refused():
         simcore.Simulation([BALL], [0], [(0.0, 0.0, 0.1)], width=8e-3)
     with pytest.raises(ValueError, match=r"body 0 is 0\.05 m from the z axis, but cylinder_radius is 0\.04 m\. Place"):
         simcore.Simulation([BALL], [0], [(0.05, 0.0, 0.1)], cylinder_radius=0.04)
+    with pytest.raises(ValueError, match=r"overlaps the cylinder by .* wider than the cylinder needs a larger"):
+        simcore.Simulation([BALL], [0], [(0.0, 0.0, 0.1)], cylinder_radius=0.004)
+    plate = simcore.convex([(x, y, z) for x in (0, 0.02) for y in (0, 0.02) for z in (0, 0.5e-3)])
+    with pytest.raises(ValueError, match=r"body 0 overlaps body 1 by 0\.0005 m at the start"):
+        simcore.Simulation([plate], [0, 0], [(0.0, 0.0, 0.05)] * 2, gravity=0.0)
+
+
+def test_a_contact_that_is_too_soft_for_a_weight_or_a_speed_is_an_error():
+    """A ball presses three small ones of 1/8000 of its mass flat; at 50 m/s two balls pass through each other."""
+    ring = [(4e-3 * np.cos(t), 4e-3 * np.sin(t), 1e-3) for t in 2 * np.pi * np.arange(3) / 3]
+    balls, places = [simcore.sphere(20e-3), simcore.sphere(1e-3)], [(0, 0, 0.0216257), *ring]
+    with pytest.raises(FloatingPointError, match=r"only 0\.002 m thick.*Give a contact_time that is . times shorter"):
+        simcore.Simulation(balls, [0, 1, 1, 1], places).advance(0.1)
+    stiff = simcore.Simulation(balls, [0, 1, 1, 1], places, contact_time=1e-4)
+    stiff.advance(0.02)
+    assert stiff.position[0, 2] > 0.0215
+    with pytest.raises(FloatingPointError, match="body 0 overlaps body 1 by"):
+        collision(velocity=[(50.0, 0.0, 0.0), (0.0, 0.0, 0.0)]).advance(0.01)
+
+
+def test_bodies_that_gain_energy_are_an_error():
+    """Plates with corners far from their centre need more steps than two bodies that pinch a third one."""
+    plate = simcore.convex([(x, y, z) for x in (-3e-3, 3e-3) for y in (-3e-3, 3e-3) for z in (-1e-3, 1e-3)])
+    pile = [(0.0, 0.0, 1e-3 + 2e-3 * k) for k in range(4)]
+    with pytest.raises(FloatingPointError, match="have gained .* J of energy.*Give more steps_per_contact_time"):
+        simcore.Simulation([plate], [0] * 4, pile, steps_per_contact_time=6).advance(0.5)
+    at_rest = simcore.Simulation([plate], [0] * 4, pile, steps_per_contact_time=14)
+    at_rest.advance(0.1)
+    assert at_rest.position[:, 2] == pytest.approx([z for _, _, z in pile], abs=2e-5)
+
+
+def test_values_are_read_only_and_times_may_differ_by_rounding():
+    ball = simcore.Simulation([BALL], [0], [(0.0, 0.0, 0.1)], orientation=(1e-200, 0.0, 0.0, 1e-200))
+    for name in ("position", "orientation", "centre_of_mass", "velocity", "angular_velocity", "mass"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(ball, name)[0] = 1.0
+    ball.advance(-1e-9 * ball.time_step)
+    assert ball.steps == 0
+    with pytest.raises(ValueError, match="duration is -0.001"):
+        ball.advance(-1e-3)
 
 
 def test_one_body_may_touch_the_cylinder():

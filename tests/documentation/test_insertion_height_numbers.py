@@ -57,7 +57,7 @@ def test_heights_and_boxes_of_the_set_of_long_grains():
     assert f"| heights of insertion, with 300 faces | {shown[300].removeprefix('−')} |" in text
     beds = pd.read_csv(REFERENCE / "difference_long_bed.csv").query("seed == 1").set_index(["width_m", "height_m"])
     for place, words in (
-        ((0.063, 0.8), "the campaign's box"),
+        ((0.063, 0.8), "the campaign's box, packed again"),
         ((0.0945, 0.8), "1.5 times as wide"),
         ((0.063, 1.2), "twice as deep"),
     ):

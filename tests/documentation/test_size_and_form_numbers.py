@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from benchmarks.studies.mixtures_wide import SETS, comparison, is_rhine, judgement, slopes, specified_statistics
-from benchmarks.studies.size_and_form_fit import describe_halves, read_rows
-from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS, OURS, R22
+from benchmarks.studies.size_and_form_fit import describe_halves, read_rows, unstretched_errors, usable_beds
+from benchmarks.studies.size_and_form_validation import KNOWN, OF_DISTRIBUTIONS, OURS, PACKED_FORMS, R22
 from benchmarks.studies.sorted_sands import TABLE as SANDS
 from benchmarks.studies.sorted_sands import log_normal
 from simcore.evaluation.confidence import student_quantile
@@ -19,6 +19,7 @@ from simcore.models.prediction import predict_preferred
 from simcore.models.size_and_form.bed_prediction import rhine_one_class, rhine_sample
 from simcore.models.size_and_form.beds import BASE, flags
 from simcore.models.size_and_form.choice import Score, choose
+from simcore.models.size_and_form.comparison import Comparison
 from simcore.models.size_and_form.known_beds import MEASURED, PUBLISHED
 from simcore.models.size_and_form.sized_model import NOT_FITTED, current_model
 from simcore.models.size_and_form.stretch import REFERENCE_POROSITY
@@ -86,6 +87,20 @@ def test_the_rule_that_keeps_no_model_chooses_the_same(chosen):
     assert states(PLAN, f"rule of choice without the paragraph that keeps a model also chooses {chosen.model}.")
 
 
+def test_what_the_stretch_contributes():
+    committed = pd.read_csv(REFERENCE / "models" / "size_and_form_beds.csv")
+    beds = usable_beds(read_rows())
+    fitted = Comparison(pd.DataFrame(), {}, {"L": committed["predicted_L"].to_numpy()}, "L", scatter=0.0034)
+    table = unstretched_errors(beds, fitted)
+    without, stretched = table.loc["L without stretch"].map("{:.4f}".format), table.loc["L"].map("{:.4f}".format)
+    assert states(PLAN, f"from 0.0060 to {without['all']}.")
+    assert states(PLAN, f"the twelve beds of one form, from {without['one form']} to {stretched['one form']};")
+    assert states(PLAN, f"it is {without['all forms']} without and {stretched['all forms']} with the stretch.")
+    assert states(FINDINGS, f"({stretched['all']} and 0.0060; {without['all']} without the two parameters")
+    one_form = np.array(beds.form)[np.array(beds.form) != "all"]
+    assert (len(one_form), len(set(one_form)), len(beds.n)) == (12, 3, 39)
+
+
 def test_fitted_parameters(chosen):
     names = {"m0": "m0", "kappa": "κ"}
     table = pd.read_csv(REFERENCE / "models" / "size_and_form_parameters.csv")
@@ -99,7 +114,11 @@ def test_how_much_of_the_effect_of_form_remains():
     slopes = pd.read_csv(REFERENCE / "size_and_form_slopes.csv").set_index("model")
     ours = [f"{slopes.loc[OURS, case]:.2f} ± {slopes.loc[OURS, case + '_std_error']:.2f}" for case in CASES]
     theirs = [f"{slopes.loc[R22, case]:.2f}" for case in CASES]
-    assert states(FINDINGS, f"| {'; '.join(ours)} by that formula | {'; '.join(theirs)} |")
+    packed = [
+        f"{slopes.loc[PACKED_FORMS, case]:.2f} ± {slopes.loc[PACKED_FORMS, case + '_std_error']:.2f}" for case in CASES
+    ]
+    words = f"{'; '.join(packed)} in packings of six forms; {'; '.join(ours)} by that formula"
+    assert states(FINDINGS, f"| {words} | {'; '.join(theirs)} |")
     for page in (PLAN, HOW_TO):
         assert states(page, *ours, f"{theirs[0]} and {theirs[1]}")
 

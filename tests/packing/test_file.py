@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import simcore
 from simcore.packing.file import packing_dataset, read_packing, write_packing
 from simcore.packing.process import pack
 from simcore.scene.specification import resolve
@@ -152,14 +153,41 @@ def test_files_that_cannot_be_read_give_an_error_of_one_line(made, tmp_path):
 def test_a_damaged_file_is_refused(made, tmp_path, change, message):
     dataset = made[1].copy(deep=True)
     change(dataset)
-    write_packing(tmp_path / "filed.nc", dataset)
+    dataset.to_netcdf(tmp_path / "filed.nc")
     with pytest.raises(ValueError, match=f"filed.nc.*{message}"):
         read_packing(tmp_path / "filed.nc")
 
 
+def test_volumes_in_another_unit_and_diameters_as_semi_axes_are_refused(made, tmp_path):
+    """Results of another program that are put into a Dataset are checked as files are."""
+    dataset = made[1].copy(deep=True)
+    dataset["scale"].values[:] *= 2.0
+    with pytest.raises(
+        ValueError, match=r"porosity: the Dataset: volume of grain 0 is .* semi-axes \[m\], not diameters"
+    ):
+        simcore.porosity(dataset)
+    dataset = made[1].copy(deep=True)
+    dataset["volume"].values[:] *= 1e9
+    with pytest.raises(ValueError, match=r"write_packing: the Dataset: volume of grain 0 .*volume is in m³"):
+        write_packing(tmp_path / "mm3.nc", dataset)
+    with pytest.raises(ValueError, match="porosity: the Dataset is not a packing: D missing"):
+        simcore.porosity(made[1].drop_vars("D"))
+    with pytest.raises(ValueError, match="porosity: the packing is of the type dict; give the path"):
+        simcore.porosity({})
+    with pytest.raises(
+        ValueError, match="write_packing: the path is of the type Dataset; give the name of a file first"
+    ):
+        write_packing(made[1], tmp_path / "bed.nc")
+    with pytest.raises(ValueError, match="has the name of a specification"):
+        write_packing(tmp_path / "bed.yaml", made[1])
+    with pytest.raises(OSError, match=r"the folder .*absent does not exist; make it first"):
+        write_packing(tmp_path / "absent" / "bed.nc", made[1])
+    assert not any(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("name", ["shape_kind", "shape_faces", "contact_overlap", "contact_force"])
 def test_a_file_without_what_an_evaluation_needs_is_no_packing(made, tmp_path, name):
-    write_packing(tmp_path / "filed.nc", made[1].drop_vars(name))
+    made[1].drop_vars(name).to_netcdf(tmp_path / "filed.nc")
     with pytest.raises(ValueError, match=f"filed.nc is not a packing: {name} missing"):
         read_packing(tmp_path / "filed.nc")
 

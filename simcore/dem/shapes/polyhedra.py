@@ -244,7 +244,10 @@ def convex(vertices) -> Shape:
     """
     from scipy.spatial import ConvexHull, QhullError  # imported here because the modules of the step do not need it
 
-    points = np.array(vertices, np.float64)
+    try:
+        points = np.array(vertices, np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"convex: vertices must be numbers, (n, 3), but are {str(vertices)[:40]!r}.") from None
     if points.ndim != 2 or points.shape[1] != 3:
         raise ValueError(f"convex: vertices must be an array of shape (n, 3), but the shape is {points.shape}.")
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))

@@ -96,7 +96,7 @@ KNOWN_BEDS = (
 )
 # How much of the effect of form on U1 remains in wide curves
 FORM_SLOPES = (
-    Column("model", "", "Rettinger et al. (their published models), the model of size and form, or another model"),
+    Column("model", "", "Rettinger et al. (their published models), our packings of one form, or a model"),
     Column("slope_U7", "", "change of the porosity of U7 over that of U1, between 63 forms of which each fills a bed"),
     Column("slope_B50", "", "the same of B50"),
     Column("slope_U7_std_error", "", "standard error by the rounding of published coefficients, or of fitted ones"),
