@@ -51,7 +51,7 @@ from simcore.scene.sizes import all_cases
 KNOWN, OF_DISTRIBUTIONS, SLOPES = (f"size_and_form_{name}.csv" for name in ("known", "mixtures", "slopes"))
 OURS = "size and form"
 R22 = "Rettinger et al."
-PACKED_FORMS = "packings of one form"
+PACKED_FORMS, SINGLE_FORMS = "packings of one form", REFERENCE / "single_form.csv"
 # Candidates without fitted parameters: name, parameters. The first one is used as long as no parameter is fitted.
 UNFITTED = {
     "H, K = 4.1": ("H", {"K": POURED_COMPACTION}), "L": ("L", {}), "F": ("F", {}),
@@ -175,7 +175,7 @@ def slopes_table(names=None):
 
 def packed_slopes():
     """Return the slopes of our packings of one form in U7 and B50 on those in U1, over the forms that have both."""
-    rows = read_single_forms(REFERENCE / "single_form.csv", "synthetic", [BASE, *OF_ONE_FORM])
+    rows = read_single_forms(SINGLE_FORMS, "synthetic", [BASE, *OF_ONE_FORM])
     n = rows.groupby(["grain", "case"])["n"].mean().unstack()
     slopes = {"model": PACKED_FORMS}
     for case in OF_ONE_FORM:

@@ -80,8 +80,7 @@ def test_a_study_without_published_values_has_a_caption_without_them(tmp_path):
 
 def test_a_sentence_has_the_names_of_grains_as_they_are(tmp_path):
     """A grain may be named 001 or 1e3, which are no numbers."""
-    form = {"FL": [0.8, 2 / 3], "EL": [0.75, 0.6], "EQ": [0.6, 0.4]}
-    rows = pd.DataFrame({"case": "U1", "grain": ["001", "1e3"], **form, "runs": 1, "n": [0.34, 0.37]})
+    rows = pd.DataFrame({"case": "U1", "grain": ["001", "1e3", "NA"], "runs": 1, "n": [0.34, 0.37, 0.35]})
     rows.assign(n_std_error=0.002, r22_n=float("nan")).to_csv(tmp_path / "mine.csv", index=False)
     section = study_section("Mine", tmp_path / "mine.csv")
     (sentence,) = [part["text"] for part in section.parts if part.get("kind") == "outcome"]
