@@ -137,6 +137,7 @@ class Simulation:
                 f"between two others; at restitution {restitution:g}, give at least {needed:.2f}, and usually 40."
             )
         self.time_step = float(contact_time) / float(steps_per_contact_time)  # [s]
+        self._steps_per_contact = math.ceil(steps_per_contact_time)
         self._box = Box(float(width or 0.0), float(cylinder_radius or np.inf))
         self._drive = Drive(self.time_step, float(gravity), 0.0, 0.0, 1.0, self._box.width, self._box.wall_radius)
         self._bodies = make_bodies(
@@ -158,15 +159,16 @@ class Simulation:
         self.steps = 0  # since the start
         self._list()
         check_start(self._bodies, self.contacts, self._features.floor, self._box)
-        self._checked = None  # energies at the last check, with their time step
+        self._checked, self._checked_at = None, 0  # energies and step of the last check
         self._check()
 
     def advance(self, duration=None, *, steps=None):
         """Move the bodies for at least `duration` [s], or for a number of time steps.
 
         ValueError unless exactly one of them is given. FloatingPointError if a position is no longer finite, a body
-        overlaps another one by more than half its thickness, or the bodies gain energy, because their time step is too
-        long. All three are checked whenever candidate pairs are listed again, and at the end.
+        overlaps another one by more than a quarter of its thickness, or the bodies gain energy, because their time step
+        is too long. This is checked whenever candidate pairs are listed again, and at the end of a call if a contact
+        time has passed since the last check.
         """
         if (duration is None) == (steps is None):
             raise ValueError("Simulation.advance: give either a duration [s] or a number of steps.")
@@ -188,7 +190,8 @@ class Simulation:
                 check_finite(self._bodies, self.steps)
                 self._check()
                 self._list()
-        self._check()
+        if self.steps - self._checked_at >= self._steps_per_contact:
+            self._check()
 
     @property
     def time(self) -> float:
@@ -259,6 +262,7 @@ class Simulation:
         moving = now.motion + spring_energy(bodies, candidates, self._law)
         self._checked = check_gain(bodies, self._checked, (moving, now.height), self._drive, self._law)
         check_overlaps(bodies, candidates, self.time)
+        self._checked_at = self.steps
 
     def _evaluated(self):
         """Return copies of bodies and candidate pairs with the forces of the present positions.

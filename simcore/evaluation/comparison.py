@@ -121,16 +121,16 @@ def _differences(table, groups):
                 if len(differences) > 1:
                     error, freedom = differences.std(ddof=1) / np.sqrt(len(differences)), len(differences) - 1.0
                 else:
-                    error, freedom = _combine(_error_of_mean(a, quantity), _error_of_mean(b, quantity))
+                    error, freedom = _combine(error_over_seeds(a, quantity), error_over_seeds(b, quantity))
             else:
                 difference = other[quantity].mean() - reference[quantity].mean()
-                error, freedom = _combine(_error_of_mean(reference, quantity), _error_of_mean(other, quantity))
+                error, freedom = _combine(error_over_seeds(reference, quantity), error_over_seeds(other, quantity))
             half = student_quantile(LEVEL, freedom) * error
             rows.append((group, quantity, difference, error, difference - half, difference + half, len(common)))
     return pd.DataFrame(rows, columns=["group", "quantity", "difference", "std_error", "low", "high", "pairs"])
 
 
-def _error_of_mean(rows, quantity):
+def error_over_seeds(rows, quantity):
     """Return the standard error of the mean over the seeds of a group, or of its only packing, and its freedom."""
     if len(rows) > 1:
         return rows[quantity].std(ddof=1) / np.sqrt(len(rows)), len(rows) - 1.0

@@ -3,7 +3,7 @@
 import numpy as np
 from tabulate import tabulate
 
-from simcore.evaluation.comparison import LEVEL
+from simcore.evaluation.comparison import LEVEL, error_over_seeds
 from simcore.evaluation.rounding import heights_in_mm, with_decimals
 
 NAMES = {
@@ -74,7 +74,7 @@ def _scatter(packings):
     lines = [""]
     for quantity, name in NAMES.items():
         values = packings[quantity]
-        error = values.std(ddof=1) / np.sqrt(len(values))
+        error, _ = error_over_seeds(packings, quantity)
         lines.append(f"mean {name}: {_pair(values.mean(), error, DECIMALS[quantity])} (over {len(values)} seeds)")
     return lines
 
@@ -86,8 +86,7 @@ def _means(packings):
         row = {"group": group, "packings": len(members)}
         for quantity in NAMES:
             values = members[quantity]
-            within = members[f"{quantity}_std_error"].iloc[0]
-            error = values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else within
+            error, _ = error_over_seeds(members, quantity)
             row[f"mean {SHORT[quantity]}"] = _pair(values.mean(), error, DECIMALS[quantity])
         rows.append(row)
     return rows

@@ -53,7 +53,7 @@ def known_mixtures() -> pd.DataFrame:
     One row per distribution: mu_FL_nominal, sigma_FL_nominal, mu_EL_nominal, sigma_EL_nominal as specified; mu_EQ,
     sigma_EQ, mu_EL, sigma_EL over the grains of our packings of them; n_one_class (of U1) and n (of U7).
     """
-    rows = pd.read_csv(REFERENCE / "form_mixture.csv")
+    rows = pd.read_csv(REFERENCE / "form_mixture.csv").query("case == @BASE")
     specified = [name for name in rows if name.endswith("_nominal")]
     beds = rows.groupby(specified, as_index=False)[["mu_EQ", "sigma_EQ", "mu_EL", "sigma_EL"]].mean()
     return beds.assign(n_one_class=published_mixture(BASE, beds), n=published_mixture(OF_MIXTURES, beds))
