@@ -97,9 +97,9 @@ def _study(study):
 def _beside_theirs(study):
     """Return the means over the seeds of a study, with the values of Rettinger et al. from `add_reference`."""
     rows = _rows(study).rename(columns={"n_error": "n_std_error"})
-    settings = [name for name in rows if name not in ("seed", "run", "n", "n_std_error", "grains", "cpu_s")]
+    settings = [name for name in ("case", "shaking_s", "width_m", "height_m", "mass_kg") if name in rows]
     columns = {"n": "mean", "n_std_error": error_of_mean}
-    means = rows.groupby(settings, sort=False)[list(columns)].agg(columns)
+    means = rows.groupby(settings, sort=False, dropna=False)[list(columns)].agg(columns)
     return add_reference(means.reset_index(), study)
 
 

@@ -26,7 +26,7 @@ def run(options) -> int:
     from simcore.evaluation.fabric import fabric, fabric_over_seeds
     from simcore.evaluation.fabric_text import fabric_text
     from simcore.evaluation.porosity import warnings_of
-    from simcore.packing.file import read_packing, write_packing
+    from simcore.packing.file import read_packing, write_dataset
 
     cut = cut_length(options.cut)
     if options.out is not None:
@@ -44,6 +44,6 @@ def run(options) -> int:
             raise ValueError(f"{path}: {error}") from None
     result = fabrics[0] if len(fabrics) == 1 else fabric_over_seeds(fabrics, options.packings)
     if options.out is not None:
-        write_packing(options.out, result)
+        write_dataset(options.out, result)
     print("\n".join([fabric_text(result), *warned]))
     return 0

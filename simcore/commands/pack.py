@@ -136,14 +136,14 @@ def _prepare(ranks, options, report):
 
 def _write(output, packed, specification, setup, warned, run):
     """Write the file of a packing. warned: warnings before it ran. run: attributes that describe how it was run."""
-    from simcore.packing.file import write_packing
+    from simcore.packing.file import write_dataset
     from simcore.packing.heartbeat import beat
     from simcore.packing.single import dataset_of
 
     beat()
     packing = dataset_of(packed, specification, setup, warned, **run)
     beat()
-    write_packing(output, packing)
+    write_dataset(output, packing)
 
 
 def _ignore_line(line):

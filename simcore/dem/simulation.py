@@ -11,7 +11,15 @@ from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.energy import mechanical_energy, spring_energy
 from simcore.dem.forces.spring_dashpot import contact_law
 from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, Shape, collect_shapes
-from simcore.dem.simulation_checks import check_finite, check_gain, check_overlaps, check_start, read_only
+from simcore.dem.simulation_checks import (
+    GAIN,
+    GAIN_OF_POLYHEDRA,
+    check_finite,
+    check_gain,
+    check_overlaps,
+    check_start,
+    read_only,
+)
 from simcore.dem.simulation_input import UPRIGHT, check_index, check_number, check_shapes, rotations_of, rows_of
 from simcore.dem.stability import minimum_steps_per_contact_time
 from simcore.dem.state.bodies import make_bodies
@@ -50,10 +58,10 @@ class Simulation:
         two.velocity, two.contacts.force, two.energy.total
 
     Contacts are linear springs with dashpots and Coulomb friction, as those of a packing with the explicit dashpot
-    (docs/explanation/time_step.md). At its end a contact may pull. Patches of polyhedra are not conservative: elastic
-    ones change the energy of a collision by about 1 %, "point" contacts by less. What is read is a copy and cannot be
-    changed. The step is compiled once for each combination of kinds of shapes, friction, floor,
-    cylinder and period, which takes up to a minute.
+    (docs/explanation/time_step.md). At its end a contact may pull. Contacts of polyhedra are not conservative: elastic
+    ones change the energy of a collision by some per cent. What is read is a copy and cannot be changed. The step is
+    compiled once for each combination of kinds of shapes, friction, floor, cylinder and period, which takes up to a
+    minute.
     """
 
     def __init__(
@@ -167,8 +175,7 @@ class Simulation:
 
         ValueError unless exactly one of them is given. FloatingPointError if a position is no longer finite, a body
         overlaps another one by more than a quarter of its thickness, or the bodies gain energy, because their time step
-        is too long. This is checked whenever candidate pairs are listed again, and at the end of a call if a contact
-        time has passed since the last check.
+        is too long. The energy is checked once in a contact time, the rest whenever candidate pairs are listed again.
         """
         if (duration is None) == (steps is None):
             raise ValueError("Simulation.advance: give either a duration [s] or a number of steps.")
@@ -188,10 +195,11 @@ class Simulation:
             self.steps += done
             if stale:
                 check_finite(self._bodies, self.steps)
+                check_overlaps(self._bodies, self._candidates, self.time)
+            if self.steps - self._checked_at >= self._steps_per_contact:
                 self._check()
+            if stale:
                 self._list()
-        if self.steps - self._checked_at >= self._steps_per_contact:
-            self._check()
 
     @property
     def time(self) -> float:
@@ -234,7 +242,7 @@ class Simulation:
     @property
     def contacts(self) -> TouchingContacts:
         """The contacts of bodies that touch now, with their forces."""
-        return touching_contacts(*self._evaluated())
+        return TouchingContacts(*map(read_only, touching_contacts(*self._evaluated())))
 
     @property
     def energy(self) -> SystemEnergy:
@@ -260,7 +268,8 @@ class Simulation:
         bodies, candidates = self._evaluated()
         now = mechanical_energy(bodies, candidates, self._law, self._drive.gravity, self.time_step)
         moving = now.motion + spring_energy(bodies, candidates, self._law)
-        self._checked = check_gain(bodies, self._checked, (moving, now.height), self._drive, self._law)
+        share = GAIN_OF_POLYHEDRA if self._features.kind in (POLYHEDRON, MIXED) else GAIN
+        self._checked = check_gain(bodies, self._checked, (moving, now.height), self._drive, self._law, share)
         check_overlaps(bodies, candidates, self.time)
         self._checked_at = self.steps
 

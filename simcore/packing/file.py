@@ -12,7 +12,7 @@ from filelock import lock_descriptor
 from simcore.compilation import source_digest
 from simcore.dem.state.touching_contacts import touching_contacts
 from simcore.grains.sieve import SieveCurve, class_fractions
-from simcore.packing.file_content import check_content
+from simcore.packing.file_content import DATASET, check_content
 from simcore.packing.packed import DAMPING, GENERATING, SHAKING, Packed
 from simcore.provenance.code_name import code_name
 from simcore.provenance.version import VERSION
@@ -112,9 +112,14 @@ def write_packing(path, packing: xr.Dataset) -> None:
     path = check_path("write_packing", path)
     if path.suffix in (".yaml", ".yml"):
         raise ValueError(f"{path} has the name of a specification; give the packing a name that ends in .nc.")
-    check_content("write_packing: the Dataset", check_dataset("write_packing", packing))
+    check_content("write_packing: the Dataset", check_dataset("write_packing", packing), DATASET)
+    write_dataset(path, packing)
+
+
+def write_dataset(path, dataset: xr.Dataset) -> None:
+    """Write any Dataset to a netCDF file, whole or not at all. OSError if the file cannot be written."""
     with whole_file(path) as part:
-        packing.to_netcdf(part, engine="netcdf4")
+        dataset.to_netcdf(part, engine="netcdf4")
 
 
 def read_packing(path) -> xr.Dataset:
@@ -146,7 +151,7 @@ def takes_paths(function, name):
         if isinstance(packing, str | os.PathLike):
             packing = read_packing(packing)
         else:
-            check_content(f"{name}: the Dataset", check_dataset(name, packing))
+            check_content(f"{name}: the Dataset", check_dataset(name, packing), DATASET)
         return function(packing, *arguments, **options)
 
     return of_packing

@@ -5,6 +5,8 @@ from numbers import Real
 
 import numpy as np
 
+from simcore.grains.polyhedron import volume_moments
+
 VARIABLES = (
     "position", "orientation", "scale", "shape", "L", "I", "S", "D", "volume",
     "shape_kind", "shape_vertices", "shape_vertex_start", "shape_vertex_count",
@@ -17,12 +19,24 @@ OF_CONTACTS = ("contact_normal", "contact_point", "contact_overlap", "contact_fo
 DOMAINS = ("periodic", "cylinder")
 SPHERE = 4.0 / 3.0 * np.pi  # volume of the unit sphere
 ALIKE = 1e-3  # largest relative difference of a grain's volume and that of its shape and scale
+CENTRED = 1e-3  # largest distance of a base shape's centre of mass from the origin, in its largest coordinate
 UNIT = 1e-6  # largest deviation of the norm of an orientation from 1
 FARTHEST = 1e4  # maximum distance of a grain from the origin, in widths of the domain
 
 
-def check_content(path, packing) -> None:
-    """Raise ValueError, which names the file and the grain, unless the Dataset at `path` is a whole packing."""
+FILE = "so that the file is damaged. Make it again with `scree pack`."
+DATASET = "which no packing has. Correct the Dataset, or evaluate the packing as it was read."
+
+
+def check_content(path, packing, remedy: str = FILE) -> None:
+    """Raise ValueError, which names the file and the grain, unless a Dataset is a whole packing.
+
+    path: of its file, or words for a Dataset that has none; remedy: FILE or DATASET, the end of the message.
+    """
+
+    def damaged(what):
+        return ValueError(f"{path}: {what}, {remedy}")
+
     missing = [*(name for name in VARIABLES if name not in packing.variables),
                *(name for name in ATTRIBUTES if name not in packing.attrs)]  # fmt: skip
     if missing:
@@ -30,14 +44,14 @@ def check_content(path, packing) -> None:
     try:
         scene = json.loads(packing.attrs.get("scene", "{}"))  # a file made by hand may have none
     except ValueError:
-        raise _damaged(path, "the attribute scene is not JSON") from None
+        raise damaged("the attribute scene is not JSON") from None
     if not isinstance(scene, dict):
-        raise _damaged(path, "the attribute scene is not a specification")
+        raise damaged("the attribute scene is not a specification")
     shape, width = packing.attrs["domain_shape"], packing.attrs["domain_width"]
     if shape not in DOMAINS:
-        raise _damaged(path, f"the attribute domain_shape is {shape!r} and not one of {', '.join(DOMAINS)}")
+        raise damaged(f"the attribute domain_shape is {shape!r} and not one of {', '.join(DOMAINS)}")
     if not (isinstance(width, Real) and 0.0 < width < np.inf):
-        raise _damaged(path, f"the attribute domain_width is {width!r}, but must be a positive number [m]")
+        raise damaged(f"the attribute domain_width is {width!r}, but must be a positive number [m]")
     farthest = FARTHEST * float(width)
     wrong = {name: ~(packing[name].values > 0.0) | np.isinf(packing[name].values) for name in POSITIVE}
     wrong["position"] = ~(np.abs(packing["position"].values) <= farthest).all(axis=1)
@@ -48,26 +62,38 @@ def check_content(path, packing) -> None:
     for name, grains in wrong.items():
         if grains.any():
             grain = int(np.argmax(grains))
-            raise _damaged(path, f"{name} of grain {grain} is {packing[name].values[grain]}")
-    _check_volumes(path, packing)
+            raise damaged(f"{name} of grain {grain} is {packing[name].values[grain]}")
+    _check_shapes(path, packing, damaged)
     if (packing["contact_body"].values >= packing.sizes["grain"]).any():
-        raise _damaged(path, "a contact is of a grain that does not exist")
+        raise damaged("a contact is of a grain that does not exist")
     for name in OF_CONTACTS:
         contacts = ~np.isfinite(packing[name].values)
         contacts = contacts.any(axis=tuple(range(1, contacts.ndim)))
         if contacts.any():
             contact = int(np.argmax(contacts))
-            raise _damaged(path, f"{name} of contact {contact} is {packing[name].values[contact]}")
+            raise damaged(f"{name} of contact {contact} is {packing[name].values[contact]}")
 
 
-def _check_volumes(path, packing):
-    """Raise ValueError unless the volume of each grain is that of its base shape times the product of its scale."""
-    starts, counts = (packing[f"shape_face_{name}"].values for name in ("start", "count"))
-    vertex_starts, vertices = packing["shape_vertex_start"].values, packing["shape_vertices"].values
+def _check_shapes(path, packing, damaged):
+    """Raise ValueError unless base shapes are closed about their centre of mass, and volumes are those of the shapes.
+
+    The volume of a grain is that of its base shape times the product of its scale.
+    """
+    values = {name: packing[f"shape_{name}"].values for name in ("vertices", "faces")}
+    ranges = {
+        name: packing[f"shape_{name}_start"].values[:, None] + np.stack([0 * n, n], axis=1)
+        for name, n in (("vertex", packing["shape_vertex_count"].values), ("face", packing["shape_face_count"].values))
+    }
     base = np.full(packing.sizes["shape"], SPHERE)
-    for i in np.flatnonzero(counts):
-        corners = vertices[vertex_starts[i] + packing["shape_faces"].values[starts[i] : starts[i] + counts[i]]]
-        base[i] = np.linalg.det(corners).sum() / 6.0
+    for i in np.flatnonzero(np.diff(ranges["face"], axis=1)):
+        (first, end), (first_face, end_face) = ranges["vertex"][i], ranges["face"][i]
+        vertices, faces = values["vertices"][first:end], values["faces"][first_face:end_face]
+        whole = len(vertices) == end - first and len(faces) == end_face - first_face and end > first
+        if not whole or faces.min() < 0 or faces.max() >= len(vertices):
+            raise damaged(f"base shape {i} has faces or vertices that do not exist")
+        base[i], centre, _ = volume_moments(vertices, faces)
+        if not np.abs(centre).max() <= CENTRED * np.abs(vertices).max():
+            raise damaged(f"the vertices of base shape {i} are not relative to its centre of mass")
     expected = base[packing["shape"].values] * packing["scale"].values.prod(axis=1)
     volume = packing["volume"].values
     wrong = np.flatnonzero(~(np.abs(volume - expected) <= ALIKE * np.abs(expected)))
@@ -77,7 +103,3 @@ def _check_volumes(path, packing):
             f"{path}: volume of grain {grain} is {volume[grain]:.6g} m³, but its shape and scale give "
             f"{expected[grain]:.6g} m³. scale contains semi-axes [m], not diameters, and volume is in m³."
         )
-
-
-def _damaged(path, what):
-    return ValueError(f"{path}: {what}, so that the file is damaged. Make it again with `scree pack`.")

@@ -164,7 +164,7 @@ def test_bodies_that_overlap_or_lie_below_the_floor_are_refused():
 
 
 def test_a_contact_that_is_too_soft_for_a_weight_or_a_speed_is_an_error():
-    """A ball presses three small ones of 1/8000 of its mass flat; at 50 m/s two balls pass through each other."""
+    """A ball presses three small ones of 1/8000 of its mass flat; at 100 m/s two balls pass through each other."""
     ring = [(4e-3 * np.cos(t), 4e-3 * np.sin(t), 1e-3) for t in 2 * np.pi * np.arange(3) / 3]
     balls, places = [simcore.sphere(20e-3), simcore.sphere(1e-3)], [(0, 0, 0.0216257), *ring]
     with pytest.raises(FloatingPointError, match=r"only 0\.002 m thick.*Give a contact_time that is . times shorter"):
@@ -173,7 +173,7 @@ def test_a_contact_that_is_too_soft_for_a_weight_or_a_speed_is_an_error():
     stiff.advance(0.02)
     assert stiff.position[0, 2] > 0.0215
     with pytest.raises(FloatingPointError, match="body 0 overlaps body 1 by"):
-        collision(velocity=[(50.0, 0.0, 0.0), (0.0, 0.0, 0.0)]).advance(0.01)
+        collision(velocity=[(100.0, 0.0, 0.0), (0.0, 0.0, 0.0)]).advance(0.01)
 
 
 def test_bodies_that_gain_energy_are_an_error():
@@ -187,11 +187,24 @@ def test_bodies_that_gain_energy_are_an_error():
     assert at_rest.position[:, 2] == pytest.approx([z for _, _, z in pile], abs=2e-5)
 
 
+@pytest.mark.parametrize("tilt", [0.003, 0.03, 0.1, 0.3])
+def test_an_elastic_box_that_lands_on_the_floor_nearly_keeps_its_energy(tilt):
+    """The error is that of the patch, which is the same with shorter steps; the check of the energy stays silent."""
+    turn = Rotation.from_rotvec([tilt, 0.4 * tilt, 0.0]).as_quat(scalar_first=True)
+    cube = simcore.convex([(x, y, z) for x in (-5e-3, 5e-3) for y in (-5e-3, 5e-3) for z in (-5e-3, 5e-3)])
+    still = {"gravity": 0.0, "restitution": 1.0, "friction": 0.0, "velocity": (0.0, 0.0, -1.0)}
+    box = simcore.Simulation([cube], [0], [(0.0, 0.0, 12e-3)], orientation=turn, **still)
+    before = box.energy.total
+    box.advance(0.02)
+    assert not len(box.contacts.body) and box.energy.total == pytest.approx(before, rel=0.1)
+
+
 def test_values_are_read_only_and_times_may_differ_by_rounding():
     ball = simcore.Simulation([BALL], [0], [(0.0, 0.0, 0.1)], orientation=(1e-200, 0.0, 0.0, 1e-200))
     for name in ("position", "orientation", "centre_of_mass", "velocity", "angular_velocity", "mass"):
         with pytest.raises(ValueError, match="read-only"):
             getattr(ball, name)[0] = 1.0
+    assert not ball.contacts.force.flags.writeable
     ball.advance(-1e-9 * ball.time_step)
     assert ball.steps == 0
     with pytest.raises(ValueError, match="duration is -0.001"):

@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+import trimesh
 import xarray as xr
 
 import simcore
@@ -172,6 +173,8 @@ def test_volumes_in_another_unit_and_diameters_as_semi_axes_are_refused(made, tm
         write_packing(tmp_path / "mm3.nc", dataset)
     with pytest.raises(ValueError, match="porosity: the Dataset is not a packing: D missing"):
         simcore.porosity(made[1].drop_vars("D"))
+    with pytest.raises(ValueError, match="a contact is of a grain that does not exist, which no packing has. Correct"):
+        simcore.coordination_number(made[1].isel(grain=slice(0, 20)))
     with pytest.raises(ValueError, match="porosity: the packing is of the type dict; give the path"):
         simcore.porosity({})
     with pytest.raises(
@@ -236,3 +239,22 @@ def test_a_write_that_fails_leaves_the_old_file(made, tmp_path, monkeypatch):
     with pytest.raises(OSError, match="no space"):
         write_packing(path, dataset)
     assert path.read_bytes() == before
+
+
+def test_base_shapes_are_closed_about_their_centre_of_mass(tmp_path):
+    trimesh.creation.box((6.0, 5.0, 4.0)).export(tmp_path / "box.stl")
+    settings = {
+        "name": "boxes", "seed": 1, "grains": {"source": str(tmp_path / "box.stl"), "unit": "mm"},
+        "domain": {"type": "periodic", "width": "25 mm", "height": "0.2 m"}, "amount": {"grains": 12},
+        "sizes": {"bounds": ["5.6 mm", "8 mm"], "mass_fractions": [1]}, "shaking": {"duration": "0 s"},
+    }  # fmt: skip
+    bed = simcore.pack(settings, force=True)
+    simcore.write_packing(tmp_path / "bed.nc", bed)
+    moved = bed.copy(deep=True)
+    moved["shape_vertices"].values[:] += 1.0
+    with pytest.raises(ValueError, match="vertices of base shape 0 are not relative to its centre of mass"):
+        simcore.write_packing(tmp_path / "moved.nc", moved)
+    wrong = bed.copy(deep=True)
+    wrong["shape_faces"].values[0, 0] = 10**6
+    with pytest.raises(ValueError, match="base shape 0 has faces or vertices that do not exist"):
+        simcore.write_packing(tmp_path / "wrong.nc", wrong)

@@ -14,6 +14,7 @@ import numpy as np
 from simcore.compilation import leaf
 from simcore.dem.contact.patch.axes import Axes, axes_in_base, coordinates
 from simcore.dem.contact.patch.moments import NO_MOMENTS, add_moments, triangle_moments
+from simcore.dem.contact.patch.patch import PATCH_DEPTH
 from simcore.dem.contact.patch.workspace import start_walk
 from simcore.dem.shapes.polyhedra import support_vertex_along, vertex_of
 from simcore.dem.state.touches import forget_springs
@@ -93,15 +94,16 @@ def floor_convex(shapes, bodies, walls, w):
 def floor_patch(shapes, bodies, walls, w, workspace, thread):
     """Update the patch of a touching polyhedron: moments of the depth of the part of it that is below the floor.
 
-    Because the polyhedron is convex, edges connect its vertices below the floor with each other, and a walk along edges
-    visits all. A face with several of them is used at the one with the smallest number. The origin is the deepest.
+    As between two polyhedra, a deeper one counts as if it were lifted to PATCH_DEPTH. Because it is convex, edges
+    connect its vertices below the floor with each other, and a walk along edges visits all. A triangle with several of
+    them is added once, at the one with the smallest number. Moments are about the deepest vertex.
     """
     i = walls.body[w]
     base = axes_in_base(bodies, i, DOWNWARD)
     vertices, ring_start, ring = shapes.vertices, shapes.neighbor_start, shapes.neighbors
-    height, first = bodies.position[i, 2], shapes.vertex_start[bodies.shape[i]]
+    first = shapes.vertex_start[bodies.shape[i]]
     deepest = coordinates(base, read(vertices, walls.vertex[w]))
-    origin = Vec(deepest.x, deepest.y, height)
+    origin = Vec(deepest.x, deepest.y, deepest.z - min(walls.overlap[w], PATCH_DEPTH * bodies.radius[i]))
     stamp = start_walk(workspace, thread, walls.vertex[w], first)
     mark, stack = workspace.mark, workspace.stack
     n_stack = 1
