@@ -158,13 +158,12 @@ def test_elastic_beds_of_polyhedra_drift_as_stated():
         assert np.abs(seen.error).max() < 4.0 * random_walk(bed, seen, 0.36 / steps)
 
 
-def test_patches_heat_an_elastic_bed_but_not_one_with_restitution_below_one():
-    """Patches heat an elastic bed, but a restitution of 0.9 removes more energy.
+def test_patches_hardly_heat_an_elastic_bed_and_not_one_with_restitution_below_one():
+    """Patches are not conservative, but the gains of many contacts cancel; a restitution of 0.9 removes more energy.
 
-    Gains have no preferred sign and no order in dt, so the energy diffuses. It cannot become negative, so it grows on
-    average. A restitution of 0.9 takes 0.19 of the energy in each contact.
+    A restitution of 0.9 takes 0.19 of the energy in each contact.
     """
-    bed, elastic = run_bed("polyhedron", 40, patch=True)
-    assert elastic.drift > 4.0 * random_walk(bed, elastic, 0.36 / 40)  # the random walk of point contacts
+    _, elastic = run_bed("polyhedron", 40, patch=True)
+    assert abs(elastic.drift) < 0.02 and np.abs(elastic.error).max() < 0.05
     _, damped = run_bed("polyhedron", 40, patch=True, restitution=0.9, duration=500)
     assert damped.error[-1] < damped.error[50] < 0.0
