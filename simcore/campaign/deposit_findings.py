@@ -193,9 +193,9 @@ def diagonal_fabrics(studies, fabrics, max_forms=5):
     """
     by_form = {}
     for study, fabric in zip(studies, fabrics, strict=True):
-        scene = json.loads(fabric.attrs["scene"])
-        if is_plain_diagonal(study, scene):
-            by_form.setdefault(scene["shapes"]["eta"], []).append(fabric)
+        specification = json.loads(fabric.attrs["scene"])
+        if is_plain_diagonal(study, specification):
+            by_form.setdefault(specification["shapes"]["eta"], []).append(fabric)
     ratios = sorted(by_form)
     chosen = np.unique(np.linspace(0, len(ratios) - 1, min(max_forms, len(ratios))).round().astype(int))
     return {
@@ -214,10 +214,10 @@ def spread_fabrics(studies, fabrics, max_spreads=5):
     """
     by_form = {}
     for study, fabric in zip(studies, fabrics, strict=True):
-        scene = json.loads(fabric.attrs["scene"])
-        if is_plain_spread(study, scene):
-            form = (scene["shapes"]["eta"], scene["shapes"]["zeta"])
-            by_form.setdefault(form, {}).setdefault(scene["sizes"]["beta"]["spread"], []).append(fabric)
+        specification = json.loads(fabric.attrs["scene"])
+        if is_plain_spread(study, specification):
+            form = (specification["shapes"]["eta"], specification["shapes"]["zeta"])
+            by_form.setdefault(form, {}).setdefault(specification["sizes"]["beta"]["spread"], []).append(fabric)
     if not by_form:
         return {}
     by_spread = by_form[max(by_form, key=lambda form: (len(by_form[form]), form != (1.0, 1.0)))]

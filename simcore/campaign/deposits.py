@@ -30,25 +30,25 @@ TABLE, SOURCE = "deposits", "ellipsoids"  # in simcore.campaign.gathering
 AS_OTHERS = "none"
 
 
-def figures_of_fabrics(studies, scenes):
+def figures_of_fabrics(studies, specifications):
     """Return the names of the figures of fabrics that these deposits allow, a list of str.
 
-    studies: name of the study of each deposit; scenes: their resolved specifications.
+    studies: name of the study of each deposit; specifications: the resolved one of each deposit.
     """
-    pairs = list(zip(studies, scenes, strict=True))
+    pairs = list(zip(studies, specifications, strict=True))
     figures = {"histograms": is_plain_diagonal, "histograms_over_sizes": is_plain_spread}
-    return [name for name, fits in figures.items() if any(fits(study, scene) for study, scene in pairs)]
+    return [name for name, fits in figures.items() if any(fits(study, specification) for study, specification in pairs)]
 
 
-def is_plain_diagonal(study, scene):
+def is_plain_diagonal(study, specification):
     """Return whether the grains of a deposit have one form with eta = zeta."""
-    return family(study) == "diagonal" and not isinstance(scene["shapes"]["eta"], dict)
+    return family(study) == "diagonal" and not isinstance(specification["shapes"]["eta"], dict)
 
 
-def is_plain_spread(study, scene):
+def is_plain_spread(study, specification):
     """Return whether a deposit of the family `sizes` has grains of one form and a spread of size."""
-    ratios = (scene["shapes"]["eta"], scene["shapes"]["zeta"])
-    plain = scene["sizes"]["beta"] is not None and not any(isinstance(ratio, dict) for ratio in ratios)
+    ratios = (specification["shapes"]["eta"], specification["shapes"]["zeta"])
+    plain = specification["sizes"]["beta"] is not None and not any(isinstance(ratio, dict) for ratio in ratios)
     return family(study) == "sizes" and plain
 
 

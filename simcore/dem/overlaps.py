@@ -1,4 +1,4 @@
-"""The deepest overlap of a scene, relative to the thickness of its bodies."""
+"""The deepest overlap of bodies, relative to their thickness."""
 
 import numpy as np
 

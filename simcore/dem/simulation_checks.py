@@ -62,7 +62,7 @@ def check_finite(bodies, step):
 
 
 def check_overlaps(bodies, candidates, time):
-    """Raise FloatingPointError if a body overlaps another one, or a wall, by more than DEEP."""
+    """Raise FloatingPointError if a body overlaps another one, or a wall, by more than DEEP of its half thickness."""
     thickness = half_thickness(bodies)
     overlap, (thin, other), ratio = deepest_overlap(candidates, thickness, np.arange(len(thickness)))
     if ratio > DEEP:
@@ -75,7 +75,7 @@ def check_overlaps(bodies, candidates, time):
 
 
 def check_gain(bodies, before, now, drive, law, share):
-    """Return the energies `now`; FloatingPointError if they exceed those `before`.
+    """Return the energies `now`; FloatingPointError if they exceed those `before` by more than is allowed.
 
     before, now: energy of motion and springs and energy of height of each body, (n,) and (n,) [J]; before may be None.
     share: GAIN or GAIN_OF_POLYHEDRA. Contacts only dissipate, but for this and the error of the step, which is a share

@@ -233,13 +233,13 @@ def test_fabrics_over_the_spread_of_sizes_are_of_the_form_with_most_spreads():
 
 
 def test_a_campaign_has_the_figures_of_fabrics_that_its_deposits_allow():
-    def scene(eta, beta):
+    def specify(eta, beta):
         return {"shapes": {"eta": eta, "zeta": eta}, "sizes": {"beta": beta}}
 
-    one, spread = scene(1.2, None), scene(1.2, {"spread": 0.2})
+    one, spread = specify(1.2, None), specify(1.2, {"spread": 0.2})
     assert figures_of_fabrics([], []) == []
     assert figures_of_fabrics(["deposit_map"], [one]) == []
-    assert figures_of_fabrics(["deposit_diagonal"], [scene({"mean": 1.2, "std": 0.1}, None)]) == []
+    assert figures_of_fabrics(["deposit_diagonal"], [specify({"mean": 1.2, "std": 0.1}, None)]) == []
     assert figures_of_fabrics(["deposit_sizes"], [one]) == [], "a sieve curve has no spread"
     both = ["histograms", "histograms_over_sizes"]
     assert figures_of_fabrics(["deposit_diagonal", "deposit_sizes"], [one, spread]) == both
