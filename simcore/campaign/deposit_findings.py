@@ -1,7 +1,6 @@
 """Results of deposits of many forms: their densest forms, and the symmetry between eta and zeta."""
 
 import json
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -16,13 +15,9 @@ from simcore.campaign.deposits import (
     plain_means,
 )
 from simcore.evaluation.crossing_angle import crossing_angle
+from simcore.evaluation.curve_maximum import Maximum, maximum
 from simcore.evaluation.fabric import fabric_over_seeds
 
-# ASSUME: half width in ln(ratio) of the window about the highest mean. Density rises faster from the sphere than it
-# falls beyond its maximum. A cubic can follow this; the maximum of a parabola is shifted to the flat side.
-WINDOW = 0.3
-DEGREE = 3
-RESAMPLED = 2000
 LINES = ("diagonal", "prolate", "oblate")
 
 
@@ -37,94 +32,6 @@ def findings(rows):
         "symmetry": symmetry(rows),
         "changes": experiment_differences(rows[rows["family"] == "change"]),
     }
-
-
-class Maximum(NamedTuple):
-    """Maximum of a curve over a ratio of axes: where it is, how high it is, and their standard errors."""
-
-    ratio: float
-    ratio_error: float
-    value: float
-    value_error: float
-    packings: int  # in the window
-
-
-def maximum(ratio, value, seed=1, resampled=RESAMPLED):
-    """Return the Maximum of a value over a ratio, both (n,), from a cubic fit to all packings near the highest mean.
-
-    The cubic (with fewer than five ratios: a parabola) is in ln(ratio), within WINDOW of the ratio with the highest
-    mean. If it has no maximum inside the window, the higher end is used. The standard errors are from a bootstrap: in
-    each of `resampled` draws the packings of each ratio are drawn again, and the window is placed again. They are nan
-    with one packing per ratio. ValueError if there are fewer than three ratios in the window.
-    """
-    ratio, value = np.asarray(ratio, float), np.asarray(value, float)
-    ratios, counts = np.unique(ratio, return_counts=True)
-    value = value[np.argsort(ratio, kind="stable")]
-    starts = np.cumsum(counts) - counts
-    means = np.add.reduceat(value, starts) / counts
-    (top,), (height,) = _tops(np.log(ratios), counts, means[None])
-    if np.isnan(top):
-        raise ValueError("maximum: there are fewer than three ratios near the highest mean; pack more forms near it")
-    # A packing is drawn from those of its ratio.
-    rng = np.random.default_rng(seed)
-    chosen = np.repeat(starts, counts) + rng.integers(0, np.repeat(counts, counts), (resampled, len(value)))
-    drawn = _tops(np.log(ratios), counts, np.add.reduceat(value[chosen], starts, axis=1) / counts)
-    draws = np.transpose(drawn)[~np.isnan(drawn[0])]
-    # The spread of n packings drawn with replacement is too small by √((n-1)/n); n is the median over the ratios.
-    n = np.median(counts)
-    scale = np.sqrt(n / (n - 1.0)) if n > 1 else np.nan
-    errors = scale * np.std(draws, axis=0, ddof=1)
-    packings = counts[_window(np.log(ratios), np.argmax(means))].sum()
-    return Maximum(float(top), float(errors[0]), float(height), float(errors[1]), int(packings))
-
-
-def _window(places, highest):
-    """Return a mask (k,) of the places in the window about the one with the index `highest`."""
-    return np.abs(places - places[highest]) <= WINDOW
-
-
-def _tops(places, counts, means):
-    """Return (ratios, values), each (m,), of the maxima of m curves; nan with fewer than three ratios in the window.
-
-    places (k,): ln(ratio), ascending; counts (k,): packings at each; means (m, k): of the value over these packings. A
-    fit to the means, weighted by their counts, is that to the packings, and curves with the same window are solved at
-    once.
-    """
-    ratios, values = np.full((2, len(means)), np.nan)
-    highest = np.argmax(means, axis=1)
-    for index in np.unique(highest):
-        near = _window(places, index)
-        x = places[near]
-        if len(x) < 3:
-            continue
-        degree = DEGREE if len(x) > DEGREE + 1 else 2
-        middle, half = (x[-1] + x[0]) / 2.0, (x[-1] - x[0]) / 2.0
-        powers = np.vander((x - middle) / half, DEGREE + 1, increasing=True)
-        powers[:, degree + 1 :] = 0.0
-        weights = np.sqrt(counts[near])
-        curves = highest == index
-        fit = np.linalg.pinv(weights[:, None] * powers) @ (weights * means[curves][:, near]).T
-        ends = np.broadcast_to([[-1.0], [1.0]], (2, curves.sum()))
-        turns = _turns(fit)
-        inside = np.where(np.abs(turns) < 1.0, turns, -1.0)
-        candidates = np.concatenate([inside, ends])
-        heights = np.polynomial.polynomial.polyval(candidates, fit[:, None, :], tensor=False)
-        best = np.argmax(heights, axis=0)[None]
-        ratios[curves] = np.exp(middle + half * np.take_along_axis(candidates, best, axis=0)[0])
-        values[curves] = np.take_along_axis(heights, best, axis=0)[0]
-    return ratios, values
-
-
-def _turns(fit):
-    """Return the places (2, m) where cubics with the coefficients fit (4, m) are level; nan or infinite without one.
-
-    Both roots are from the same sum, so that the smaller one is exact also if the cubic is nearly a parabola.
-    """
-    constant, linear, square = fit[1], 2.0 * fit[2], 3.0 * fit[3]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        root = np.sqrt(linear**2 - 4.0 * square * constant)
-        half_sum = -0.5 * (linear + np.copysign(root, linear))
-        return np.stack([half_sum / square, constant / half_sum])
 
 
 def maxima(rows, names=("solid_fraction", "coordination_number")):

@@ -12,7 +12,7 @@ from benchmarks.studies import bed_size
 from docs.generate import results
 from simcore.campaign.studies import expand, merge
 from simcore.grains.spherical_harmonics import read_coefficients
-from simcore.paths import CONFIG, REFERENCE
+from simcore.paths import CONFIG, REFERENCE, ROOT
 from simcore.scene.identity import result_digest
 from simcore.scene.specification import resolve
 
@@ -80,6 +80,26 @@ def test_a_configuration_lists_each_gathered_row_with_its_settings(rows, overlay
     folder = tmp_path / source
     folder.mkdir()
     assert compare(rows, overlays, folder if source in ELSEWHERE else None) == []
+
+
+OVERLAYS = [
+    ("deposits.yaml",), ("deposits.yaml", "deposits_large.yaml"), ("differences.yaml",), ("insertion_rate.yaml",),
+    ("size_and_form.yaml",), ("wide.yaml",), ("workstation.yaml",), ("r22.yaml",), ("bed_size.yaml",),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("overlays", OVERLAYS, ids=lambda overlays: overlays[-1])
+def test_no_campaign_replaces_a_committed_row_by_one_of_other_settings(overlays):
+    """A row is replaced by one of the same study and packing, so these must not mean another bed in another file."""
+    folder = merge(*(yaml.safe_load((CONFIG / name).read_text(encoding="utf-8")) for name in overlays)).get("reference")
+    ledger = Path(folder or "none") / "gathered.csv"
+    rows = pd.read_csv(ROOT / ledger, dtype={"settings": str}) if (ROOT / ledger).exists() else None
+    if rows is None:
+        assert folder != "results/reference"
+        return
+    named = rows.set_index(["study", "packing"]).settings.groupby(level=[0, 1]).agg(set)
+    listed = digests(overlays, tuple(sorted(set(rows.study))))
+    assert [key for key, digest in listed.items() if key in named.index and digest not in named[key]] == []
 
 
 def test_beds_inserted_above_the_bed_are_those_of_their_configuration(tmp_path):

@@ -55,6 +55,8 @@ MAXIMA = (
     Column("value", "", "value at the maximum"),
     Column("value_error", "", "standard error of value, by a bootstrap"),
     Column("packings", "", "number of packings near the maximum that are fitted"),
+    Column("half_width", "", "half width of the window about the highest mean, in ln(ratio)"),
+    Column("misfit_p", "", "p-value of the test whether the means deviate from the fit by more than the seeds scatter"),
     Column("above_prolate", "", "the diagonal's maximum minus that of prolate forms, in standard errors"),
     Column("above_oblate", "", "the diagonal's maximum minus that of oblate forms, in standard errors"),
 )
