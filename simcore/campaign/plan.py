@@ -18,6 +18,7 @@ from simcore.campaign.gathering import SHOWN_TABLES, not_gathered, table_of
 from simcore.campaign.plan_checks import check_beds, check_committed, check_names, check_shared_tables, check_sources
 from simcore.campaign.studies import expand, study_title
 from simcore.grains.sources import set_name
+from simcore.packing.cost import COPIES
 from simcore.paths import REFERENCE
 from simcore.scene.sizes import case_spacing, size_curve
 from simcore.scene.specification import resolve
@@ -193,11 +194,14 @@ class Plan:
     def memory_mb(self, study, packing, attempt=1):
         """Return the memory to request for a packing on each of its nodes [MB].
 
-        From the second attempt on it is double. It grows no further, because most attempts only continue a packing
-        whose time was too short.
+        From the second attempt on, arrays get twice as much, and ranks enough to compile their step, as they must on
+        another kind of processor. The request grows no further, because most attempts only continue a packing whose
+        time was too short.
         """
-        cost = self._rows[study, packing].cost
-        return min(attempt, 2) * cost.memory_mb(self._ranks_per_node(study, packing))
+        cost, ranks = self._rows[study, packing].cost, self._ranks_per_node(study, packing)
+        if attempt == 1:
+            return cost.memory_mb(ranks, compiled=self.campaign["compile_first"])
+        return cost.memory_mb(ranks, copies=2.0 * COPIES)
 
     def minutes(self, study, packing, attempt=1):
         """Return the wall-clock time to request for a packing [min]; it increases with each attempt, to longest_job."""

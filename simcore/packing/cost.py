@@ -52,9 +52,11 @@ SET_VOLUME, SET_LENGTH = 1.5, 1.84
 HULL_LENGTH = {"sphere": 1.0, "ellipsoid": 1.0, "polyhedron": 1.09, "mixed": 1.05}
 SAMPLED = 400  # grains drawn to compute the means of volume and length of a form or a distribution of form
 
-# ASSUME: memory [bytes] to request for a process with numba's compiler, and number of copies of the arrays that exist
-# while neighbour lists are rebuilt and the file is written.
-PROCESS_MEMORY, COPIES = 1000.0e6, 4.0
+# ASSUME: memory [bytes] to request for a rank that compiles its step (1093 MB at its peak), for one that finds it
+# compiled (317 MB), and for the Snakemake and the launcher of a job (235 MB); docs/how_to/cluster.md.
+COMPILING_MEMORY, COMPILED_MEMORY, JOB_MEMORY = 1300.0e6, 500.0e6, 300.0e6
+# ASSUME: number of copies of the arrays that exist while neighbour lists are rebuilt and the file is written.
+COPIES = 4.0
 # ASSUME: time [s] to request for compiling, and factor on the estimated time for slower machines and for ranks that
 # wait for each other. A packing that takes longer continues from its last checkpoint.
 START_UP, MARGIN = 900.0, 3.0
@@ -90,12 +92,14 @@ class PackingCost(NamedTuple):
         """Steps until the packing is expected to rest."""
         return self.generating + self.shaking + self.damping
 
-    def memory_mb(self, ranks: int) -> int:
+    def memory_mb(self, ranks: int, compiled: bool = False, copies: float = COPIES) -> int:
         """Return the memory to request from the scheduler for the node of the first rank [MB].
 
-        ranks: on this node. The first rank gathers the whole packing, so that no other node needs more.
+        ranks: on this node. compiled: whether the step is compiled before the packing starts. copies: of all arrays.
+        The first rank gathers the whole packing, so that no other node needs more.
         """
-        return int(np.ceil(1e-6 * (ranks * PROCESS_MEMORY + COPIES * self.array_bytes)))
+        process = COMPILED_MEMORY if compiled else COMPILING_MEMORY
+        return int(np.ceil(1e-6 * (JOB_MEMORY + ranks * process + copies * self.array_bytes)))
 
     def minutes(self, cores: int) -> int:
         """Return the wall-clock time to request from the scheduler [min]."""

@@ -16,7 +16,7 @@ from simcore.evaluation.interval import campaign_cut
 from simcore.models.mixtures import MIXTURE
 from simcore.models.regression import fewest_samples
 from simcore.models.single_form import SINGLE_FORM
-from simcore.packing.cost import PackingCost, estimate
+from simcore.packing.cost import COMPILED_MEMORY, COMPILING_MEMORY, COPIES, PackingCost, estimate
 from simcore.scene.identity import result_digest
 from simcore.scene.sizes import all_cases
 from simcore.scene.specification import resolve
@@ -91,9 +91,19 @@ def test_ranks_cores_time_and_memory_are_those_of_the_estimate():
     assert [plan.cores("spheres", packing) for packing in (few, many)] == [2, 8]
     assert plan.mpiexec("spheres", few) == "" and plan.mpiexec("spheres", many) == "mpiexec -n 2"
     assert plan.minutes("spheres", many, 3) == 3 * cost.minutes(8)
-    assert plan.memory_mb("spheres", many, 2) == 2 * cost.memory_mb(4) > plan.memory_mb("spheres", many)
-    assert plan.memory_mb("spheres", many, 9) == 2 * cost.memory_mb(4)  # later attempts continue, with no more memory
+    assert plan.memory_mb("spheres", many) == cost.memory_mb(4)
+    again = plan.memory_mb("spheres", many, 2) - cost.memory_mb(4)
+    assert again == pytest.approx(COPIES * 1e-6 * cost.array_bytes, abs=1.0)
+    assert plan.memory_mb("spheres", many, 9) == plan.memory_mb("spheres", many, 2)  # later attempts only continue
     assert plan.nodes("spheres", many) == 1
+
+
+def test_ranks_whose_step_is_compiled_first_need_less_memory_in_the_first_attempt():
+    plan, first = plan_of(), plan_of(compile_first=True)
+    many = plan.of("spheres").query("ranks == 4").packing.iloc[0]
+    saved = 4 * 1e-6 * (COMPILING_MEMORY - COMPILED_MEMORY)
+    assert plan.memory_mb("spheres", many) - first.memory_mb("spheres", many) == pytest.approx(saved, abs=1.0)
+    assert plan.memory_mb("spheres", many, 2) == first.memory_mb("spheres", many, 2)
 
 
 def test_memory_is_that_of_the_ranks_of_one_node():

@@ -1,5 +1,6 @@
 """The cost of a packing that a scheduler gets, compared with the estimate from the drawn grains."""
 
+import os
 import re
 import subprocess
 import sys
@@ -163,6 +164,31 @@ def test_ranks_are_kept_busy():
     assert [cost.ranks(most, 1000) for most in (1, 2, 3)] == [1, 2, 2]
     assert cost.ranks(4, 5000) == 1
     assert cost.memory_mb(2) > cost.memory_mb(1) and cost.minutes(1) > cost.minutes(8) >= 15
+
+
+# Standard output is the peak memory [MB] of a process that packs a few pebbles.
+PEAK = """
+import resource, sys
+from simcore.__main__ import main
+status = main(["pack", "--force", sys.argv[1], sys.argv[2]])
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+sys.exit(status)
+"""
+
+
+def test_the_memory_of_a_rank_is_enough_with_and_without_a_compiled_step(tmp_path):
+    """The first process compiles the step into an empty cache, the second finds it there."""
+    raw = {**LARGE, "amount": {"grains": 20}, "shaking": {"duration": "0 s"}, "faces": 50}
+    raw |= {"domain": {"width": "30 mm", "height": "0.2 m"}, "shapes": {"kind": "polyhedron"}}
+    (tmp_path / "few.yaml").write_text(yaml.safe_dump({**raw, "name": "few"}))
+    environment = {**os.environ, "SCREE_CACHE": str(tmp_path / "cache")}
+    command = [sys.executable, "-c", PEAK, tmp_path / "few.yaml", tmp_path / "few.nc"]
+    peaks = []
+    for _ in range(2):
+        done = subprocess.run(command, env=environment, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        peaks.append(float(done.stdout.split()[-1]) * 1024**2)
+    assert peaks[1] < packing_cost.COMPILED_MEMORY < peaks[0] < packing_cost.COMPILING_MEMORY
 
 
 COST_ALONE = """
