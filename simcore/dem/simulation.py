@@ -1,6 +1,7 @@
 """Bodies that move by their contacts and by gravity: the core without a packing process."""
 
 import math
+import sys
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from simcore.compilation import thread_limit
 from simcore.dem.contact.patch.workspace import make_workspace
 from simcore.dem.energy import mechanical_energy, spring_energy
 from simcore.dem.forces.spring_dashpot import contact_law
+from simcore.dem.overlaps import half_thickness
 from simcore.dem.shapes.polyhedra import ELLIPSOID, MIXED, POLYHEDRON, SPHERE, Base, Shape, collect_shapes
 from simcore.dem.simulation_checks import (
     GAIN,
@@ -17,8 +19,11 @@ from simcore.dem.simulation_checks import (
     check_finite,
     check_gain,
     check_overlaps,
+    check_place,
     check_start,
+    check_width,
     read_only,
+    steps_until_passed,
 )
 from simcore.dem.simulation_input import UPRIGHT, check_index, check_number, check_shapes, rotations_of, rows_of
 from simcore.dem.stability import minimum_steps_per_contact_time
@@ -121,6 +126,9 @@ class Simulation:
                 check_number(name, value)
         if width is not None and cylinder_radius is not None:
             raise ValueError("Simulation: width and cylinder_radius are both given; a cylinder is not periodic.")
+        check_place(position, width)
+        if not isinstance(floor, bool | np.bool_):
+            raise ValueError(f"Simulation: floor is {floor!r}; give True or False.")
         if polyhedron_contact not in ("patch", "point"):
             raise ValueError(f"Simulation: polyhedron_contact is {polyhedron_contact!r}; give 'patch' or 'point'.")
 
@@ -160,6 +168,8 @@ class Simulation:
             float(density),
             features=self._features,
         )
+        self._thickness = half_thickness(self._bodies)
+        check_width(self._thickness, width)
         self._table = collect_shapes(bases)
         self._workspace = make_workspace(self._table, thread_limit())
         self._clock = np.zeros(len(STAGES), np.int64)
@@ -175,9 +185,10 @@ class Simulation:
         """Move the bodies for at least `duration` [s], or for a number of time steps.
 
         ValueError unless exactly one of them is given. FloatingPointError if a position is no longer finite, a body
-        overlaps another one by more than a quarter of its thickness, or the bodies gain energy, because their time step
-        is too long. This is checked when candidate pairs are listed again and at the end of a call, but at most
-        CHECKS times in a contact time.
+        overlaps another one by more than a quarter of its thickness, the bodies gain energy, because their time step is
+        too long, or a body is so fast that it may pass through another one within a step. This is checked when
+        candidate pairs are listed again and at the end of a call, but at most CHECKS times in a contact time, and more
+        often if a body moves by half its thickness in that time.
         """
         if (duration is None) == (steps is None):
             raise ValueError("Simulation.advance: give either a duration [s] or a number of steps.")
@@ -191,13 +202,14 @@ class Simulation:
             raise ValueError(f"Simulation.advance: steps is {steps!r}; give a whole number of at least 0.")
         left = int(steps)
         while left > 0:
+            passed = self._steps_until_passed()
             state = State(self._table, self._bodies, *self._candidates, self._workspace)
-            done, stale = self._advance(state, self._law, self._drive, self._clock, self.steps, left)
+            done, stale = self._advance(state, self._law, self._drive, self._clock, self.steps, min(left, passed))
             left -= done
             self.steps += done
             if stale:
                 check_finite(self._bodies, self.steps)
-            if self.steps - self._checked_at >= self._check_interval:
+            if self.steps - self._checked_at >= min(self._check_interval, passed):
                 self._check()
             if stale:
                 self._list()
@@ -263,6 +275,12 @@ class Simulation:
         self._candidates = list_candidates(
             self._bodies, self._table, self._box, margin, self._features, self._candidates
         )
+
+    def _steps_until_passed(self):
+        """Return `steps_until_passed`; a body without a floor, a cylinder or another one meets only its own images."""
+        if len(self._thickness) == 1 and not self._features.periodic:
+            return sys.maxsize
+        return steps_until_passed(self._bodies, self._thickness, self.time_step)
 
     def _check(self):
         """Raise FloatingPointError if bodies overlap too deeply or have gained energy since the last check."""

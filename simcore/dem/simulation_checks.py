@@ -7,9 +7,9 @@ from simcore.dem.overlaps import deepest_overlap, half_thickness
 DEEPEST_AT_START = 0.1  # overlap in half thicknesses of the thinner body, above which contacts would throw bodies apart
 DEEP = 0.5  # the same while bodies move: beyond, their form no longer decides how they touch
 FARTHEST = 1e9  # [m]; candidate pairs beyond are not found
-# Share of the energy of motion and springs by which it may grow between two checks. Contacts of elastic polyhedra add
-# up to a third in a collision; an unstable step multiplies the energy.
-GAIN, GAIN_OF_POLYHEDRA = 0.1, 0.5
+# Share of the energy of motion and springs by which it may grow between two checks. In an impact of polyhedra it may
+# double, since patches are not conservative; an unstable step multiplies the energy many times.
+GAIN, GAIN_OF_POLYHEDRA = 0.1, 2.0
 LIFT = 0.01  # share of their half thickness by which all bodies may be lifted
 
 
@@ -49,6 +49,47 @@ def check_start(bodies, contacts, floor, box):
         f"Simulation: body {a} overlaps {partner} by {overlap:.3g} m at the start; the contact would throw them apart. "
         f"Let bodies overlap by less than a tenth of half the thickness of the thinner one.{remedy}"
     )
+
+
+def check_place(position, width):
+    """Raise ValueError if a body starts beyond FARTHEST, or more than FARTHEST periods `width` [m] from the origin."""
+    limit = FARTHEST * min(1.0, width or 1.0)
+    far = np.flatnonzero(~(np.abs(position) < limit).all(axis=1))
+    if len(far):
+        raise ValueError(
+            f"Simulation: position of body {far[0]} is {position[far[0]]} m, but contacts are only found within "
+            f"{limit:g} m of the origin. Place the bodies nearer to it."
+        )
+
+
+def check_width(thickness, width):
+    """Raise ValueError if a body is thicker than the period `width` [m]; thickness (n,): half of each [m]."""
+    widest = int(np.argmax(thickness))
+    if width is not None and 2.0 * thickness[widest] > width:
+        raise ValueError(
+            f"Simulation: body {widest} overlaps its own periodic image, because width is only {width:g} m, but the "
+            f"body is {2.0 * thickness[widest]:.3g} m thick. Give a width that is larger than every body."
+        )
+
+
+def steps_until_passed(bodies, thickness, dt):
+    """Return the number of steps of dt [s] in which a body may pass through another one; FloatingPointError if it is 1.
+
+    It is the number in which the fastest body moves by its half thickness and that of the thinnest body, so that a
+    check after so many steps finds the overlap. thickness (n,): half of each body [m].
+    """
+    speed = np.linalg.norm(bodies.velocity, axis=1) + np.linalg.norm(bodies.angular_velocity, axis=1) * bodies.radius
+    reach, moved = thickness + thickness.min(), speed * dt
+    with np.errstate(divide="ignore", over="ignore"):
+        steps = reach / moved
+    fastest = int(np.argmin(steps))
+    if not steps[fastest] >= 1.0:
+        raise FloatingPointError(
+            f"Simulation: body {fastest} moves by {moved[fastest]:.3g} m in a step, but half of its thickness and half "
+            f"that of the thinnest body are {reach[fastest]:.3g} m together, so that bodies may pass through each "
+            f"other unnoticed. Give a contact_time that is {10.0 / steps[fastest]:.0f} times shorter."
+        )
+    return int(min(steps[fastest], 1e9))
 
 
 def check_finite(bodies, step):
@@ -92,7 +133,8 @@ def check_gain(bodies, before, now, drive, law, share):
         raise FloatingPointError(
             f"Simulation: the bodies have gained {gained:.3g} J of energy, the most of it body {np.argmax(moving)}. "
             "The time step is too long for its contacts: a body with many contacts, or with corners far from its "
-            "centre, needs more steps than one between two others. Give more steps_per_contact_time; 40 is the default."
+            "centre, needs more steps than one between two others. Give more steps_per_contact_time; 40 is the "
+            "default. Polyhedra also gain energy in impacts if restitution is above 0.9; then give 0.9 or less."
         )
     return now
 

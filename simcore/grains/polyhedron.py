@@ -3,11 +3,15 @@
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+# Options with which Qhull merges facets that are in one plane to 1e-10 of the extent, and drops their inner points.
+MERGING = "Qt C1e-10"
+
 
 def convex_hull(points):
     """Return the vertices (v, 3) and outward triangles (2v - 4, 3) of the convex hull of points (n, 3).
 
-    Points inside the hull are dropped. ValueError if there are fewer than four points, if one is not finite, or if all
+    Points inside the hull are dropped, and points that are within 1e-10 of its extent in a face or on an edge, or
+    beside another point. ValueError if there are fewer than four points, if one is not finite, or if all
     are in one plane.
     """
     points = np.asarray(points, float)
@@ -19,8 +23,15 @@ def convex_hull(points):
         raise ValueError("some points have NaN or infinite coordinates; correct or remove them")
     # Qhull's tolerances are absolute, so its points are scaled to size one about the origin.
     origin, size = points.mean(0), np.ptp(points, axis=0).max()
+    scaled = (points - origin) / (size or 1.0)
     try:
-        hull = ConvexHull((points - origin) / (size or 1.0))
+        # Rounding of points in a plane or on an edge leaves slivers, whose normals have any direction. The hull with
+        # merged facets has other triangles, which may fold over each other, so only its choice of points is used.
+        kept = np.sort(ConvexHull(scaled, qhull_options=MERGING).vertices)
+        hull = _hull_with(scaled, len(kept))
+        if hull is None:
+            points, scaled = points[kept], scaled[kept]
+            hull = ConvexHull(scaled)
     except QhullError:
         raise ValueError("all points are in one plane, so their hull has no volume; add points outside it") from None
     corners = points[hull.simplices]
@@ -32,6 +43,15 @@ def convex_hull(points):
     # The order of the faces must not depend on Qhull, because decimation depends on it.
     faces = np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
     return points[used], faces[np.lexsort(faces.T[::-1])]
+
+
+def _hull_with(points, number):
+    """Return the ConvexHull of points if it has this number of vertices, and None otherwise."""
+    try:
+        hull = ConvexHull(points)
+    except QhullError:
+        return None
+    return hull if len(hull.vertices) == number else None
 
 
 def volume_moments(vertices, faces):

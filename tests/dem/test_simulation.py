@@ -108,8 +108,8 @@ def test_boxes_come_to_rest_on_the_floor_and_on_each_other():
 
 
 def test_a_position_that_becomes_infinite_is_an_error():
-    fast = collision(velocity=[(0.0, 0.0, 0.0), (1.7e308, 0.0, 0.0)], contact_time=1e3)
-    with pytest.raises(FloatingPointError, match="position of body 1 is not finite, or beyond 1e.09 m, after step"):
+    fast = simcore.Simulation([BALL], [0], [(0.0, 0.0, 0.1)], velocity=(1.7e308, 0.0, 0.0), contact_time=1e3)
+    with pytest.raises(FloatingPointError, match="position of body 0 is not finite, or beyond 1e.09 m, after step"):
         fast.advance(1e4)
 
 
@@ -120,7 +120,16 @@ def test_a_position_that_becomes_infinite_is_an_error():
         ({"shapes": []}, "shapes is empty"),
         ({"shapes": None}, "shapes is None; give a list"),
         ({"shape": [[0], [0, 0]]}, "shape has rows of different length"),
-        ({"contact_time": 1e-300}, r"contact_time is 1e-300; give a number in \[1e-12, inf\)"),
+        ({"contact_time": 1e-300}, r"contact_time is 1e-300; give a number in \[1e-12, 1e\+09\]"),
+        ({"contact_time": 1e200}, r"contact_time is 1e\+200; give a number in"),
+        ({"steps_per_contact_time": 1e300}, r"steps_per_contact_time is 1e\+300; give a number in"),
+        ({"floor": "no"}, "floor is 'no'; give True or False"),
+        ({"position": [(0.0, 0.0, 1.0), (0.0, 2e9, 2.0)]}, r"position of body 1 is .* within 1e\+09 m of the origin"),
+        ({"position": [(3e7, 0.0, 1.0), (0.0, 0.0, 2.0)], "width": 0.02}, r"position of body 0 is .* within 2e\+07 m"),
+        (
+            {"width": 1e-6},
+            r"body 0 overlaps its own periodic image, because width is only 1e-06 m, but the body is 0\.01",
+        ),
         ({"shape": [0, -1]}, "shape of body 1 is -1; give an index from 0 to 0"),
         ({"shape": [0.0, 0.7]}, r"shape has the form \(2,\) and the type float64"),
         ({"shape": []}, r"shape has the form \(0,\)"),
@@ -152,8 +161,9 @@ def test_bodies_that_overlap_or_lie_below_the_floor_are_refused():
         simcore.Simulation([BOX], [0], [(0.0, 0.0, 1e-4)])
     with pytest.raises(ValueError, match=r"centre of mass of body 1 is at z = -0\.001 m"):
         simcore.Simulation([BOX], [0, 0], [(0.0, 0.0, 5e-3), (0.0, 0.0, -1e-3)])
+    rod = simcore.convex([(x, y, z) for x in (0, 0.02) for y in (0, 2e-3) for z in (0, 2e-3)])
     with pytest.raises(ValueError, match=r"body 0 overlaps its own periodic image by .* width is only 0\.008 m\. Give"):
-        simcore.Simulation([BALL], [0], [(0.0, 0.0, 0.1)], width=8e-3)
+        simcore.Simulation([rod], [0], [(0.0, 0.0, 0.1)], width=8e-3)
     with pytest.raises(ValueError, match=r"body 0 is 0\.05 m from the z axis, but cylinder_radius is 0\.04 m\. Place"):
         simcore.Simulation([BALL], [0], [(0.05, 0.0, 0.1)], cylinder_radius=0.04)
     with pytest.raises(ValueError, match=r"overlaps the cylinder by .* wider than the cylinder needs a larger"):
@@ -174,6 +184,31 @@ def test_a_contact_that_is_too_soft_for_a_weight_or_a_speed_is_an_error():
     assert stiff.position[0, 2] > 0.0215
     with pytest.raises(FloatingPointError, match="body 0 overlaps body 1 by"):
         collision(velocity=[(100.0, 0.0, 0.0), (0.0, 0.0, 0.0)]).advance(0.01)
+
+
+@pytest.mark.parametrize(("radius", "speed"), [(5e-3, 250.0), (5e-5, 4.0), (5e-5, 8.0)])
+@pytest.mark.parametrize("phase", np.linspace(0.0, 1.0, 5))
+def test_fast_bodies_do_not_pass_through_each_other_unnoticed(radius, speed, phase):
+    """In a step of 25 µs the balls move by 0.6, 1 and 2 diameters, so that few steps or none have an overlap."""
+    start = [(0.0, 0.0, 0.0), (0.0, 0.0, 4.0 * radius + phase * 25e-6 * speed)]
+    with pytest.raises(FloatingPointError, match="may pass through each other unnoticed|body 0 overlaps body 1 by"):
+        simcore.Simulation(
+            [simcore.sphere(radius)], [0, 0], start, velocity=[(0, 0, 0), (0, 0, -speed)], gravity=0.0, floor=False
+        ).advance(1e-3)
+
+
+def test_a_thin_plate_that_flies_past_the_reach_of_its_list_is_not_missed():
+    """Candidate pairs are listed for a tenth of a radius, which is a hundred times the thickness of these plates."""
+    plate = simcore.convex([(x, y, z) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-5e-5, 5e-5)])
+    start, velocity = [(0.0, 0.0, 0.0), (0.0, 0.0, 4e-3)], [(0.0, 0.0, 0.0), (0.0, 0.0, -1.5)]
+    with pytest.raises(FloatingPointError, match="body . overlaps body . by"):
+        simcore.Simulation([plate], [0, 0], start, velocity=velocity, gravity=0.0, floor=False).advance(0.01)
+
+
+def test_one_body_alone_may_be_as_fast_as_it_is():
+    ball = simcore.Simulation([BALL], [0], [(0, 0, 0)], velocity=(500.0, 0, 0), gravity=0.0, floor=False)
+    ball.advance(0.01)
+    assert ball.position[0, 0] == pytest.approx(5.0)
 
 
 def test_bodies_that_gain_energy_are_an_error():

@@ -71,6 +71,36 @@ def test_moments_agree_with_trimesh():
     np.testing.assert_allclose(volume * inertia, mesh.moment_inertia, atol=1e-9 * mesh.moment_inertia.max())
 
 
+GRID = np.array([p for p in np.ndindex(4, 4, 4) if min(p) == 0 or max(p) == 3]) / 3.0
+TURNS = 2.0 * np.pi * np.arange(24) / 24
+DRUM = np.array([(np.cos(t), np.sin(t), z) for t in TURNS for z in np.linspace(-1.0, 1.0, 5)])
+
+
+@pytest.mark.parametrize(
+    ("points", "corners", "volume"),
+    [(GRID, 8, 1.0), (DRUM, 48, 24 * np.sin(2.0 * np.pi / 24)), (np.vstack([GRID] * 3), 8, 1.0)],
+    ids=["grid", "drum", "repeated"],
+)
+@pytest.mark.parametrize("scatter", [0.0, 1e-15, 1e-14, 1e-13, 1e-11, 1e-9, 1e-7])
+def test_a_hull_with_points_nearly_in_its_faces_is_closed(points, corners, volume, scatter):
+    """Far from the origin, and with noise, such points are not exactly in one plane; their triangles are slivers."""
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        turned = Rotation.random(random_state=seed).apply(points + scatter * rng.uniform(-1.0, 1.0, points.shape))
+        vertices, faces = convex_hull(turned + 100.0 * rng.normal(size=3))
+        mesh = trimesh.Trimesh(vertices, faces, process=False)
+        assert mesh.is_watertight and mesh.is_winding_consistent
+        assert mesh.volume == pytest.approx(volume, rel=1e-11 + 10.0 * scatter)
+        if scatter <= 1e-13:
+            assert len(vertices) == corners
+
+
+def test_points_that_span_a_hull_of_rounding_are_in_one_plane():
+    flat = np.c_[np.random.default_rng(1).uniform(size=(30, 2)), np.zeros(30)]
+    with pytest.raises(ValueError, match="all points are in one plane"):
+        convex_hull(Rotation.random(random_state=1).apply(flat))
+
+
 def test_third_moment_of_a_tetrahedron():
     # In the unit corner tetrahedron the mean of x is 1/4 and that of x³ is 6 * 3! / 6! = 1/20.
     vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])

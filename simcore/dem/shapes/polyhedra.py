@@ -208,6 +208,9 @@ def support_vertex_along(shapes, bodies, i, vertex, normal):
 
 # Share of the extent of a polyhedron. If it is thinner, its face normals are less accurate than a query requires.
 FLATTEST = 1e-7
+# Share of the longest semi-axis. Rounding of the matrix R diag(s²) Rᵀ of a thinner ellipsoid changes overlaps by more
+# than 1e-5 of themselves.
+THINNEST_ELLIPSOID = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,19 +233,25 @@ def sphere(radius: float) -> Shape:
 def ellipsoid(a: float, b: float, c: float) -> Shape:
     """Return an ellipsoid about the origin with semi-axes a, b, c [m] along x, y, z, in any order of size.
 
-    ValueError unless all are positive and finite.
+    ValueError unless all are positive and finite, and the shortest is at least 1e-6 of the longest.
     """
     scale = _lengths("ellipsoid", a=a, b=b, c=c)
+    if min(scale) < THINNEST_ELLIPSOID * max(scale):
+        raise ValueError(
+            f"ellipsoid: the shortest semi-axis, {min(scale):g} m, is less than {THINNEST_ELLIPSOID:g} of the longest, "
+            f"{max(scale):g} m, so that overlaps would lose their digits. Give a thicker ellipsoid."
+        )
     return Shape(ELLIPSOID, unit_sphere(), scale, (0.0, 0.0, 0.0), max(scale))
 
 
 def convex(vertices) -> Shape:
     """Return the convex hull of points (n, 3) [m] as a polyhedron, in the frame in which the points are given.
 
-    Duplicates and points inside are dropped. ValueError for fewer than four different points, numbers that are not
-    finite, and points in a plane (to 1e-7 of their extent).
+    Points inside are dropped, and points that are within 1e-10 of the extent in a face or on an edge, or beside another
+    point. ValueError for fewer than four different points, numbers that are not finite, and points in a plane (to 1e-7
+    of their extent).
     """
-    from scipy.spatial import ConvexHull, QhullError  # imported here because the modules of the step do not need it
+    from simcore.grains.polyhedron import convex_hull  # imported here because the modules of the step do not need it
 
     try:
         points = np.array(vertices, np.float64)
@@ -270,17 +279,9 @@ def convex(vertices) -> Shape:
     if not thickness[2] > FLATTEST:
         raise flat
     try:
-        hull = ConvexHull(points / extent)
-    except QhullError:
+        points, faces = convex_hull(points)
+    except ValueError:
         raise flat from None
-    kept = np.sort(hull.vertices)
-    place = np.full(len(points), -1)
-    place[kept] = np.arange(len(kept))
-    corners = (points / extent)[hull.simplices]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    inward = (normals * hull.equations[:, :3]).sum(axis=1) < 0.0
-    faces = place[np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)]
-    points = points[kept]
     volume, moments = _moments(points[faces] / extent)
     radius = float(np.sqrt((points**2).sum(axis=1).max()))
     base = Base("convex", points, faces.astype(np.int64), float(volume * extent**3), moments * extent**2)
