@@ -311,10 +311,7 @@ def test_the_step_turns_unstable_where_the_largest_load_is_four(seed):
 
 
 def test_the_shares_are_exact_in_the_densest_packing():
-    """In a frictionless FCC packing the mode at the zone boundary has the load of four contacts.
-
-    The value is derived in shared/reference/verification.md, 1.2.
-    """
+    """In a frictionless FCC packing the mode at the zone boundary has the load of four contacts."""
     edge = 2.0 * np.sqrt(2.0)
     corner = np.stack(np.meshgrid(*[np.arange(2)] * 3), -1).reshape(-1, 1, 3)
     basis = 0.5 * np.array([[0, 0, 0], [1, 1, 0], [1, 0, 1], [0, 1, 1]])

@@ -59,7 +59,9 @@ def test_exchange_of_the_ratios(rows, found):
     solid, contacts = of.loc["solid_fraction"], of.loc["coordination_number"]
     assert f"of {solid.pairs:.0f} pairs of forms by {solid.rms:.4f} (root mean square)" in PAGE
     assert f"would give {solid.expected_rms:.4f}" in PAGE
-    assert f"the {contacts.pairs:.0f} pairs have {contacts['mean']:.2f} ± {contacts.mean_error:.2f} more contacts" in PAGE
+    assert (
+        f"the {contacts.pairs:.0f} pairs have {contacts['mean']:.2f} ± {contacts.mean_error:.2f} more contacts" in PAGE
+    )
     means = plain_means(rows).set_index(["eta", "zeta"]).solid_fraction
     pairs = [(one, other) for one, other in means.index if other < one and one > 2.0 and other > 1.0]
     flatter = [means[other, one] - means[one, other] for one, other in pairs]

@@ -43,7 +43,7 @@ def spheres(seed, domain, grains, **groups):
 def test_equal_frictional_spheres_lie_between_loose_and_close():
     """Without shaking and with µ = 0.5, solid fractions are between 0.574 ± 0.015 and 0.639.
 
-    These are the loosest packing at this friction and random close packing (shared/reference/verification.md, 4.1).
+    These are the loosest packing at this friction and random close packing (Silbert, arXiv:1108.0012).
     """
     runs = [
         spheres(seed, {"width": "49 mm", "height": "0.4 m"}, 500, shaking={"amplitude": "0 m", "duration": "0 s"})
@@ -80,10 +80,10 @@ def test_equal_spheres_in_a_cylinder_follow_the_wall_effect(ratio, grains):
 
 @pytest.mark.extremes
 def test_the_settled_ellipsoids_of_r22():
-    """265 ellipsoids 1 : 0.75 : 0.5, shaken until t = 0.3 s, agree with two seeds of another program.
+    """265 ellipsoids 1 : 0.75 : 0.5, shaken until t = 0.3 s, agree with two seeds of the program of Rettinger et al.
 
-    shared/reference/study_program.md lists its results: a coordination number of 4.45, a mean overlap of 8.2e-8 m, and
-    largest overlaps of 6e-7 and 1.4e-6 m. Over our seeds the first two scatter by 0.13 and 0.3e-8 m. The bands are four
+    Their program, run once with both seeds, gave a coordination number of 4.45, a mean overlap of 8.2e-8 m, and largest
+    overlaps of 6e-7 and 1.4e-6 m. Over our seeds the first two scatter by 0.13 and 0.3e-8 m. The bands are four
     standard errors of the difference between our two seeds and those two, 4 √(1/2 + 1/2) = 4 scatters.
     """
     coordination, overlap, largest = [], [], []
