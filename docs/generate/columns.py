@@ -43,6 +43,7 @@ GROUPS = (
     ("benchmarks", "HEIGHT", "Ends of a bed"),
     ("benchmarks", "INFLATED", "Search with inflated grains"),
     ("benchmarks", "ELLIPSOID_CONTACT", "Contacts of ellipsoids"),
+    ("benchmarks", "TILTED_IMPACTS", "Impacts of nearly parallel faces"),
     ("benchmarks", "WIDE_COST", "Cost of wide sieve curves"),
     ("benchmarks", "CONTACT_LAW", "Time step of contact laws"),
     ("benchmarks", "SIZE_MODELS", "Models of the sieve curve"),

@@ -64,10 +64,10 @@ class Simulation:
         two.velocity, two.contacts.force, two.energy.total
 
     Contacts are linear springs with dashpots and Coulomb friction, as those of a packing with the explicit dashpot
-    (docs/explanation/time_step.md). At its end a contact may pull. Contacts of polyhedra are not conservative: elastic
-    ones change the energy of a collision by up to a tenth, and by up to a third with "point". What is read is a copy
-    and cannot be changed. The step is compiled once for each combination of kinds of shapes, friction, floor, cylinder
-    and period, which takes up to a minute.
+    (docs/explanation/time_step.md). At its end a contact may pull. Contacts of polyhedra are not conservative: give
+    "point" if restitution is above 0.3 (docs/explanation/differences_r22.md). What is read is a copy and cannot be
+    changed; np.array(...) of it can. The step is compiled once for each combination of kinds of shapes, friction,
+    floor, cylinder and period, which takes up to a minute.
     """
 
     def __init__(

@@ -81,6 +81,7 @@ TABLES = {
     "size_and_form_slopes": (models.FORM_SLOPES,),
     "size_models_measured": (benchmarks.SIZE_MODELS,),
     "sorted_sands": (models.SORTED_SANDS,),
+    "tilted_impacts": (benchmarks.TILTED_IMPACTS,),
     "stability*": (benchmarks.STABILITY,),
     "wide_cost": (benchmarks.WIDE_COST, COLUMNS),
     "verification*": (verification.OUTSIDE,),

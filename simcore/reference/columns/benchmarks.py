@@ -141,6 +141,19 @@ ELLIPSOID_CONTACT = (
     Column("largest_size", _OF_UNIT, "largest magnitude"),
     Column("unit", "", "unit of the values"),
 )
+TILTED_IMPACTS = (
+    Column("form", "", "form of the body: a cube, a flat block or a prism that leans"),
+    Column("against", "", "what it falls on: the floor or its like"),
+    Column("polyhedron_contact", "", "where polyhedra press: patch or point"),
+    Column("restitution", "", "coefficient of restitution of the contacts"),
+    Column("impacts", "", "number of impacts that ended within 3000 steps"),
+    Column("stopped", "", "number of impacts that a check of the simulation stopped"),
+    Column("least_ratio", "", "least energy after an impact over that before"),
+    Column("largest_ratio", "", "largest of the same"),
+    Column("share_off_by_tenth", "", "share of the impacts that change the energy by more than a tenth"),
+    Column("share_gaining", "", "share of the impacts that gain more than a thousandth of the energy"),
+    _DIGEST,
+)
 WIDE_COST = (
     Column("settings", "", "study of config/wide.yaml whose settings the packing has"),
     Column("shapes", "", "source of the grains"),
