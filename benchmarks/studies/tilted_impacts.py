@@ -5,8 +5,8 @@
 
 Without gravity and friction, a cube, a flat block and a leaning prism fall on a floor or on their like, tilted by 1e-5
 to 0.1 rad, at 1 mm/s to 0.3 m/s, both drawn uniformly in their logarithm. There is one row per form, partner, contact
-and restitution. With --rest, the prism stands on the floor with its centre of mass over a part of its base, at the
-default restitution; there is one row for each such part. It takes 4 minutes of CPU time, or 2 s for --rest.
+and restitution. With --rest, prisms stand on the floor with their centre of mass over a part of their base, and cubes on
+a cube that they overhang by a share of their edge, at the default restitution; there is one row for each. It takes 4 minutes of CPU time, or 2 s for --rest.
 """
 
 import argparse
@@ -27,6 +27,7 @@ CONTACTS, RESTITUTIONS = ("patch", "point"), (1.0, 0.9, 0.7, 0.5, 0.3, 0.1)
 NUMBER = 300  # impacts of each row
 AFTER = 12  # intervals of ten steps without contact, after which an impact has ended
 PARTS = (0.5, 0.7, 0.8, 0.9)  # of the base: where the centre of mass of a standing prism is above it
+OVERHANGS = (0.2, 0.3, 0.4)  # of the edge
 SETTLING = 2.0  # [s]
 
 
@@ -104,22 +105,34 @@ def impacts(form, against, contact, restitution, number=NUMBER):
 
 
 def standing(part):
-    """Return a row for a prism that stands on the floor: forces over the weight and speed after SETTLING."""
+    """Return a row for a prism that stands on the floor with its centre of mass above this part of its base."""
     simulation = simcore.Simulation([prism(part)], [0], [(0.0, 0.0, 0.0)])
+    return {"body": "prism on the floor", "part": part} | at_rest(simulation)
+
+
+def overhanging(share):
+    """Return a row for a cube that overhangs its like by this share of its edge."""
+    simulation = simcore.Simulation([prism(0.5)], [0, 0], [(0.0, 0.0, 0.0), (share * EDGE, 0.0, EDGE)])
+    return {"body": "cube on a cube", "part": share} | at_rest(simulation)
+
+
+def at_rest(simulation):
+    """Return force on the floor over the weight, and the largest speed [m/s], after SETTLING, as a dict."""
     simulation.advance(SETTLING)
     forces, speeds = [], []
     for _ in range(400):
         simulation.advance(steps=3)
-        forces.append(-simulation.contacts.force[0, 2] / (9.81 * simulation.mass[0]))
-        speeds.append(np.linalg.norm(simulation.velocity))
-    return {"part": part, "least_force": min(forces), "largest_force": max(forces), "largest_speed": max(speeds)}
+        contacts = simulation.contacts
+        forces.append(-contacts.force[contacts.body[:, 1] == -1, 2].sum() / (9.81 * simulation.mass.sum()))
+        speeds.append(np.linalg.norm(simulation.velocity, axis=1).max())
+    return {"least_force": min(forces), "largest_force": max(forces), "largest_speed": max(speeds)}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rest", action="store_true")
     if parser.parse_args().rest:
-        rows = [standing(part) for part in PARTS]
+        rows = [*map(standing, PARTS), *map(overhanging, OVERHANGS)]
     else:
         rows = [
             impacts(form, against, contact, restitution)
