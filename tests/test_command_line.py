@@ -12,8 +12,9 @@ import xarray as xr
 
 from simcore.__main__ import main
 from simcore.evaluation.porosity import bulk_porosity
-from simcore.packing.file import read_packing
+from simcore.packing.file import read_packing, write_packing
 from simcore.paths import ROOT
+from tests.helpers.packings import make_packing, sphere_lattice
 
 GOOD = """
 name: tiny
@@ -34,6 +35,15 @@ def folder(tmp_path):
 
 def names(folder):
     return sorted(path.name for path in folder.iterdir())
+
+
+@pytest.mark.parametrize("command", ["porosity", "fabric"])
+def test_a_bed_of_overlapping_grains_has_no_porosity(command, tmp_path, capsys):
+    centres, width = sphere_lattice("sc", 4, 8)
+    bed = make_packing(0.01 * centres, 0.009, width=0.01 * width)
+    write_packing(tmp_path / "deep.nc", bed)
+    assert main([command, str(tmp_path / "deep.nc")]) == 2
+    assert "but that of a bed is between 0 and 1. Check that the grains do not overlap" in capsys.readouterr().err
 
 
 def test_pack_then_porosity(folder, capsys):

@@ -5,8 +5,9 @@
 
 Without gravity and friction, a cube, a flat block and a leaning prism fall on a floor or on their like, tilted by 1e-5
 to 0.1 rad, at 1 mm/s to 0.3 m/s, both drawn uniformly in their logarithm. There is one row per form, partner, contact
-and restitution. With --rest, prisms stand on the floor with their centre of mass over a part of their base, and cubes on
-a cube that they overhang by a share of their edge, at the default restitution; there is one row for each. It takes 4 minutes of CPU time, or 2 s for --rest.
+and restitution. With --rest, prisms stand on the floor with their centre of mass over a part of their base, and cubes
+on a cube that they overhang by a share of their edge, at the default restitution; there is one row for each. It takes 4
+minutes of CPU time, or 5 s for --rest.
 """
 
 import argparse

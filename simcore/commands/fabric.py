@@ -25,7 +25,7 @@ def run(options) -> int:
     from simcore.evaluation.coordination import BEARING_CONTACTS
     from simcore.evaluation.fabric import fabric, fabric_over_seeds
     from simcore.evaluation.fabric_text import fabric_text
-    from simcore.evaluation.porosity import warnings_of
+    from simcore.evaluation.porosity import check_physical, warnings_of
     from simcore.packing.file import read_packing, write_dataset
 
     cut = cut_length(options.cut)
@@ -40,6 +40,7 @@ def run(options) -> int:
         warned += [f"{path}: warning: {line}" for line in warnings_of(packing)]
         try:
             fabrics.append(fabric(packing, cut, bearing))
+            check_physical(1.0 - fabrics[-1]["solid_fraction"])
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
     result = fabrics[0] if len(fabrics) == 1 else fabric_over_seeds(fabrics, options.packings)

@@ -25,7 +25,7 @@ def add(commands) -> None:
 
 def run(options) -> int:
     """Print the porosity as a table or as JSON, write its profile if asked for, and return 0."""
-    from simcore.evaluation.porosity import bulk_porosity
+    from simcore.evaluation.porosity import bulk_porosity, check_physical
     from simcore.evaluation.porosity_text import porosity_json, porosity_text, profile_table
     from simcore.packing.file import read_packing
     from simcore.writing import whole_file
@@ -36,6 +36,7 @@ def run(options) -> int:
     packing = read_packing(options.packing)
     try:
         bulk = bulk_porosity(packing, method=method, cut=cut)
+        check_physical(bulk["n"])
     except ValueError as error:
         raise ValueError(f"{options.packing}: {error}") from None
     if options.profile is not None:

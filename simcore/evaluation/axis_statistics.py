@@ -102,19 +102,24 @@ def grain_axes(packing):
     shorter, than the middle one by more than round-off: spheres have none, prolate spheroids no short axis, oblate ones
     no long axis. ValueError if the semi-axes of an ellipsoid are not in that order.
     """
-    scale = packing["scale"].values
-    is_ellipsoid = packing["shape_kind"].values.astype(str)[packing["shape"].values] == "sphere"
-    disordered = np.flatnonzero(is_ellipsoid & (np.diff(scale, axis=1) < -DISTINCT * scale[:, :1]).any(axis=1))
-    if len(disordered):
-        raise ValueError(
-            f"grain_axes: grain {disordered[0]} has the semi-axes {scale[disordered[0]]} m along its x, y, z; they "
-            "must increase from x to z, so that z is its long axis; rotate the grain"
-        )
+    check_order_of_axes(packing)
     longest, middle, shortest = (packing[name].values for name in "LIS")
     axes = Rotation.from_quat(packing["orientation"].values, scalar_first=True).as_matrix()
     long_ones = np.flatnonzero(longest > (1.0 + DISTINCT) * middle)
     short_ones = np.flatnonzero(middle > (1.0 + DISTINCT) * shortest)
     return {"long_axis": (axes[long_ones, :, 2], long_ones), "short_axis": (axes[short_ones, :, 0], short_ones)}
+
+
+def check_order_of_axes(packing):
+    """Raise ValueError unless the semi-axes of each ellipsoid increase from its x to its z."""
+    scale = packing["scale"].values
+    is_ellipsoid = packing["shape_kind"].values.astype(str)[packing["shape"].values] == "sphere"
+    disordered = np.flatnonzero(is_ellipsoid & (np.diff(scale, axis=1) < -DISTINCT * scale[:, :1]).any(axis=1))
+    if len(disordered):
+        raise ValueError(
+            f"packing: grain {disordered[0]} has the semi-axes {scale[disordered[0]]} m along its x, y, z; they must "
+            "increase from x to z, so that z is its long axis; rotate the grain"
+        )
 
 
 def mean_and_error(values, weights):

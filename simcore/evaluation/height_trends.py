@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import linregress, spearmanr
 
-from simcore.evaluation.axis_statistics import DISTINCT
+from simcore.evaluation.axis_statistics import DISTINCT, check_order_of_axes
 from simcore.evaluation.porosity import describe, evaluation_interval, largest_sieve_size, porosity_profile
 from simcore.evaluation.slicing import vertical_axes
 
@@ -108,6 +108,7 @@ def _grain_quantities(packing):
 def _angles(packing):
     """Return the angle of each grain's long axis with the vertical (n,) [rad]; nan for a grain that has none."""
     has_one = packing["L"].values > (1.0 + DISTINCT) * packing["I"].values
+    check_order_of_axes(packing)
     return np.where(has_one, long_axis_angle(packing["orientation"].values), np.nan)
 
 

@@ -154,6 +154,15 @@ def bulk_porosity(packing, method="spheres", cut=None, slice_height=None):
     return xr.Dataset(data, attrs=attrs)
 
 
+def check_physical(porosity):
+    """Raise ValueError unless a porosity is between 0 and 1, as that of grains that do not overlap is."""
+    if not 0.0 < float(porosity) < 1.0:
+        raise ValueError(
+            f"the porosity is {float(porosity):.3g}, but that of a bed is between 0 and 1. Check that the grains do "
+            "not overlap, and that none is wider than the domain"
+        )
+
+
 _HEIGHT = {"units": "m", "long_name": "height above the floor", "axis": "Z", "positive": "up"}
 
 

@@ -59,6 +59,9 @@ def cut_convex(vertices, faces, width):
 
     vertices (n, 3) [m], faces (m, 3). Both results are empty if less than LEAST_PIECE of the volume is inside.
     """
+    # trimesh merges vertices that are nearer than 1e-8, whatever the unit, so that grains are cut at a size of 1.
+    extent = np.ptp(vertices, axis=0).max()
+    vertices, width = vertices / extent, width / extent
     volume = trimesh.Trimesh(vertices, faces, process=False).volume
     for axis in (0, 1):
         for side, sign in ((0.0, 1.0), (width, -1.0)):
@@ -72,12 +75,12 @@ def cut_convex(vertices, faces, width):
             crossings[:, axis] = side
             try:
                 piece = trimesh.convex.convex_hull(np.concatenate([vertices[inside >= 0.0], crossings]))
-            except (QhullError, ValueError):  # nothing is inside, or a sliver without volume
+            except (QhullError, ValueError, ZeroDivisionError):  # nothing is inside, or a sliver without volume
                 return np.zeros((0, 3)), np.zeros((0, 3), np.int64)
             vertices, faces = np.array(piece.vertices), np.array(piece.faces)
             if not piece.volume > LEAST_PIECE * volume:
                 return np.zeros((0, 3)), np.zeros((0, 3), np.int64)
-    return vertices, faces
+    return vertices * extent, faces
 
 
 def ellipsoid_areas(half_axes):

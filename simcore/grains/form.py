@@ -5,19 +5,29 @@ import numpy as np
 import pandas as pd
 
 # Table 1 of Rettinger et al. (2022), in its order. L >= I >= S > 0 in any one unit of length.
+# Share of the longest axis. Axes whose difference is smaller are equal; it is then the rounding of a computed mesh.
+EQUAL_AXES = 1e-9
+
+
+def _disc_rod(L, I, S):
+    """Return (L - I) / (L - S): 0 for grains with L = I, and nan for those with L = S."""
+    span, first = L - S, L - I
+    return np.where(first > EQUAL_AXES * L, first, 0.0) / np.where(span > EQUAL_AXES * L, span, np.nan)
+
+
 FORM_FACTORS = {
     "FL": lambda L, I, S: S / I,
     "EL": lambda L, I, S: I / L,
     "EQ": lambda L, I, S: S / L,
     "ASF": lambda L, I, S: L * S / I**2,
     "CSF": lambda L, I, S: S / np.sqrt(L * I),
-    "DRI": lambda L, I, S: (L - I) / (L - S),
+    "DRI": _disc_rod,
     "IFI": lambda L, I, S: (L + S) / I,
     "IRI": lambda L, I, S: (S + I) / L,
     "JFF": lambda L, I, S: S / np.sqrt((L**2 + I**2 + S**2) / 3),
     "KIS": lambda L, I, S: np.cbrt(I * S / L**2),
     "MPS": lambda L, I, S: np.cbrt(S**2 / (L * I)),
-    "OPI": lambda L, I, S: 10 * ((L - I) / (L - S) - 0.5) / (S / L),
+    "OPI": lambda L, I, S: 10 * (_disc_rod(L, I, S) - 0.5) / (S / L),
     "WFI": lambda L, I, S: (L + I) / (2 * S),
 }
 

@@ -26,6 +26,7 @@ class PoreImage(NamedTuple):
     lowest: int  # number of the lowest layer that counts; layers below it only surround the others
     end: int  # number after that of the highest layer that counts
     volume_error: float = 0.0  # [m³], standard error of the solid volume in these layers by the finite voxels
+    area_error: float = 0.0  # [m²], of the voxels in a cylinder against its area
 
     @property
     def inside(self) -> np.ndarray:
@@ -39,8 +40,9 @@ class PoreImage(NamedTuple):
 
     @property
     def porosity_error(self) -> float:
-        """Standard error of `porosity` by the finite voxels."""
-        return self.volume_error / (self.area * self.height)
+        """Standard error of `porosity` by the finite voxels; at a wall there are only pores."""
+        at_wall = (1.0 - self.porosity) * self.area_error / self.area
+        return float(np.hypot(self.volume_error / (self.area * self.height), at_wall))
 
     @property
     def porosity(self) -> float:
@@ -100,5 +102,5 @@ def pore_image(packing, low, high, size, margin=0.0):
     share = np.count_nonzero(grid.labels[:, :, counted] != PORE) / max(np.count_nonzero(grid.labels != PORE), 1)
     return PoreImage(
         pores, grid.spacing, packing.attrs["domain_shape"] == "periodic", area, int(counted[0] - start),
-        int(counted[-1] + 1 - start), grid.volume_error * float(np.sqrt(share)),
+        int(counted[-1] + 1 - start), grid.volume_error * float(np.sqrt(share)), abs(area - domain_area(packing)),
     )  # fmt: skip

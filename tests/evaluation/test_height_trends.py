@@ -84,3 +84,10 @@ def test_default_interval_cuts_the_largest_size_off_both_ends():
 def test_too_few_grains_are_refused():
     with pytest.raises(ValueError, match="too few for a trend"):
         height_trends(make_packing([[0, 0, 1]], 0.5), (0.0, 2.0))
+
+
+def test_ellipsoids_whose_long_axis_is_not_their_own_z_are_refused():
+    bed = bed_of(1)
+    bed["scale"][7] = bed["scale"][7].values[::-1]
+    with pytest.raises(ValueError, match="grain 7 has the semi-axes .* must increase from x to z"):
+        height_trends(bed, interval=(0.0, 1.0))

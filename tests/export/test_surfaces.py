@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial.transform import Rotation
 
 from simcore.export.export import export
 from simcore.export.placement import places
@@ -129,6 +130,22 @@ def test_a_cube_on_the_edge_of_the_box_has_four_pieces():
     pieces = list(surfaces(cube, "cut"))
     volumes = [trimesh.Trimesh(v, f, process=False).volume for _, v, f in pieces]
     np.testing.assert_allclose(np.sort(volumes), [8e-9 / 1.0 * x for x in (1.0, 1.0, 3.0, 3.0)], rtol=1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-7, 1e-5, 1e-3, 10.0])
+@pytest.mark.parametrize("shares", [(1.0, 1.0, 1.0), (1e-3, 1.0, 1.0), (1e-3, 1e-3, 1.0)])
+def test_pieces_of_small_and_of_thin_grains_are_closed_and_have_their_volume(size, shares):
+    """Vertices of a hull that are nearer than 1e-8 in the unit of its coordinates would be merged."""
+    turned = Rotation.random(2, random_state=4).as_quat(scalar_first=True)
+    vertices, faces = base_mesh(make_packing([[0, 0, 0]], 1.0), 0)
+    axes, place = size * np.array(shares), size * np.array([[0.1, 0.2, 2.0], [1.9, 1.3, 2.0]])
+    bed = make_packing(place, np.tile(axes, (2, 1)), turned, width=2.5 * size)
+    volumes = np.zeros(2)
+    for grain, corners, triangles in surfaces(bed, "cut"):
+        piece = trimesh.Trimesh(corners / size, triangles, process=False)
+        assert piece.is_watertight
+        volumes[grain] += piece.volume
+    np.testing.assert_allclose(volumes, 4.0 / 3.0 * np.pi * np.prod(shares), rtol=1e-9)
 
 
 def test_a_grain_wider_than_the_box_has_an_image_for_every_period():

@@ -66,6 +66,15 @@ def test_a_sphere_has_undefined_indices_and_gives_no_warning():
     assert np.isinf(zero_opi["OPI_inv"]) and zero_opi["OPI"] == 0
 
 
+def test_axes_that_differ_by_rounding_are_equal():
+    rng = np.random.default_rng(1)
+    L, I, S = np.sort(1.0 + 1e-13 * rng.uniform(-1.0, 1.0, (20, 3)), axis=1).T[::-1]
+    cubes, plates = features(L, I, S), features(L, I, 0.5 * S)
+    assert cubes[["DRI", "OPI"]].isna().all(axis=None)
+    assert (plates["DRI"] == 0.0).all() and np.isinf(plates["DRI_inv"]).all()
+    assert plates["OPI"].to_numpy() == pytest.approx(-10.0, rel=1e-12)
+
+
 @pytest.mark.parametrize("axes", [(1.0, 2.0, 1.0), (2.0, 1.0, 0.0), (2.0, np.nan, 1.0)])
 def test_axes_out_of_order_are_refused(axes):
     with pytest.raises(ValueError, match="L >= I >= S > 0"):

@@ -58,6 +58,18 @@ def test_the_porosity_is_that_of_slices_between_the_same_heights(domain):
         assert found.porosity == pytest.approx(exact, abs=tolerance)
 
 
+@pytest.mark.parametrize("edge", [0.8e-3, 0.6e-3, 0.45e-3, 0.3e-3])
+def test_the_error_of_the_porosity_in_a_cylinder_contains_that_of_its_area(edge):
+    rng = np.random.default_rng(2)
+    places = 7.5e-3 * (np.stack(np.unravel_index(np.arange(27), (3, 3, 3)), axis=1) - [1, 1, -0.5])
+    places += rng.uniform(-5e-4, 5e-4, places.shape)
+    bed = make_packing(places, 3e-3, width=0.03, domain="cylinder")
+    found = pore_image(bed, 0.004, 0.012, edge)
+    exact = 1.0 - slab_volumes(bed, [0.004, 0.012], "exact")[0] / (domain_area(bed) * 0.008)
+    assert found.area_error == pytest.approx(abs(found.area - domain_area(bed))) and found.area_error > 0.0
+    assert abs(found.porosity - exact) < 3.0 * found.porosity_error
+
+
 def test_the_porosity_between_the_grains_of_a_cylinder_is_1():
     """The area of the circle of voxels is that over which their volume is divided."""
     bed = make_packing([[0.0, 0.0, 0.005], [0.0, 0.0, 0.045]], 0.005, width=0.03, domain="cylinder")
