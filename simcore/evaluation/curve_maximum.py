@@ -33,7 +33,8 @@ def maximum(ratio, value, seed=1, resampled=RESAMPLED):
     highest mean. The window is the widest of WIDTHS in which the means deviate from the fit by no more than the scatter
     over seeds explains (F-test, p >= LEAST_P), or else the narrowest. If the fit has no maximum inside the window, the
     higher end is used. The standard errors are from a bootstrap: in each of `resampled` draws the packings of each
-    ratio are drawn again, and the window of the same width is placed again. They are nan with one packing per ratio.
+    ratio are drawn again, and the window of the same width is placed again. They contain no bias of the cubic, and are
+    nan with one packing per ratio.
     ValueError if there are fewer than three ratios in the window.
     """
     ratio, value = np.asarray(ratio, float), np.asarray(value, float)

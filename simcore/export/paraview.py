@@ -114,6 +114,12 @@ def contact_lines(packing, periodic="leave"):
         at_edge = np.flatnonzero(image[:, :2].all(axis=1))
         rows = np.concatenate([rows, at_edge, at_edge])
         shift = np.concatenate([shift, *(-image[at_edge] * axis for axis in np.eye(3)[:2])])
+        # A line to the floor that leaves the box has a piece that enters by the other side.
+        beyond = np.where(second < 0, np.floor(point[:, :2].T / where.sides), 0.0).T
+        for side in ([1.0, 0.0], [0.0, 1.0], [1.0, 1.0]):
+            through = np.flatnonzero((beyond * side != 0.0).sum(axis=1) == sum(side))
+            rows = np.append(rows, through)
+            shift = np.concatenate([shift, np.c_[-where.sides * beyond[through] * side, np.zeros(len(through))]])
     lines = np.stack([starts[rows] + shift, ends[rows] + shift], axis=1).reshape(-1, 2, 3)
     if where.sides is not None:
         lines, kept = _cut_lines(lines, where.sides)

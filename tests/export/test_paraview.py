@@ -138,3 +138,16 @@ def test_contact_lines_of_a_grain_wider_than_half_the_box_end_at_the_sides():
     packing = make_packing([[0.002, 0.01, 0.01]], 1e-2, width=WIDTH, contacts=[(0, -1)])
     lines, _, _ = contact_lines(packing, "cut")
     np.testing.assert_allclose(lines[0], [[0.002, 0.01, 0.01], [0.002, 0.01, 0.0]], atol=1e-15)
+
+
+@pytest.mark.parametrize("place", [[0.0995, 0.05, 0.002], [0.0995, 0.0005, 0.002], [0.05, 0.0005, 0.002]])
+def test_a_line_to_the_floor_through_a_side_keeps_its_length(place):
+    """The grain touches the floor with a point beside its centre, beyond a side or an edge of the box."""
+    packing = make_packing([place], 2e-3, width=0.1, contacts=[(0, -1)])
+    aside = np.where(np.array(place[:2]) > 0.06, 1e-3, np.where(np.array(place[:2]) < 0.04, -1e-3, 0.0))
+    packing["contact_point"][0] = [*(place[:2] + aside), 0.0]
+    pieces, _, vectors = contact_lines(packing, "cut")
+    assert len(pieces) == 2
+    length = np.linalg.norm(np.r_[aside, place[2]])
+    assert np.linalg.norm(pieces[:, 1] - pieces[:, 0], axis=1).sum() == pytest.approx(length)
+    assert (pieces[..., :2] >= -1e-15).all() and (pieces[..., :2] <= 0.1 + 1e-15).all()
