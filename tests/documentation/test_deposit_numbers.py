@@ -79,3 +79,18 @@ def test_crossings():
         name: f"{np.degrees(row.angle):.1f}° ± {np.degrees(row.std_error):.1f}°" for name, row in table.iterrows()
     }
     assert f"{angles['contact_normal']} for normals and at {angles['long_axis']} for long axes" in PAGE
+
+
+def test_friction(rows):
+    changed = rows[rows.study.isin(["deposit_change", "deposit_change_rounder"])]
+    means = changed.groupby(["change", "eta"]).solid_fraction.mean().unstack()
+    names = {
+        "static": "friction_law static, steps_per_contact_time 15",
+        "viscous": "friction_law viscous",
+        "dynamic": "none",
+        "dynamic, ten times stronger": "sliding_time 0.001",
+        "dynamic, ten times weaker": "sliding_time 0.1",
+    }
+    for name, change in names.items():
+        assert f"| {name} | {means[1.3][change]:.4f} | {means[1.6][change]:.4f} |" in PAGE
+        assert means[1.3][change] > means[1.6][change]
