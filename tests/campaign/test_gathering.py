@@ -33,7 +33,7 @@ def evaluated(specification, axes=(0.011, 0.009, 0.007), n=None):
     """Return the evaluation of 300 grains at random places with this specification; n overrides the porosity."""
     packing = make_packing(
         np.random.default_rng(4).uniform(0.005, 0.06, (300, 3)),
-        np.tile(0.5 * np.array(axes), (300, 1)),
+        np.tile(0.5 * np.sort(axes), (300, 1)),
         width=0.05,
         scene=json.dumps(specification),
         seed=specification["seed"],
