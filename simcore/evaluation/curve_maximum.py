@@ -75,7 +75,7 @@ def _widest_good_window(places, counts, means, squares):
         powers, weights, fit = _fit(places[near], counts[near], means[None, near])
         spare = near.sum() - np.count_nonzero(powers.any(axis=0))
         p = np.nan
-        if spare > 0 and freedom > 0 and squares > 0.0:
+        if spare > 0 and freedom > 0 and squares > 1e-20 * float(np.sum(counts * means**2)):
             lack = np.sum((weights * (means[near] - powers @ fit[:, 0])) ** 2) / spare
             p = float(f_distribution.sf(lack / (squares / freedom), spare, freedom))
         if not p < LEAST_P:

@@ -4,7 +4,6 @@
 import numpy as np
 import pandas as pd
 
-# Table 1 of Rettinger et al. (2022), in its order. L >= I >= S > 0 in any one unit of length.
 # Share of the longest axis. Axes whose difference is smaller are equal; it is then the rounding of a computed mesh.
 EQUAL_AXES = 1e-9
 
@@ -15,6 +14,7 @@ def _disc_rod(L, I, S):
     return np.where(first > EQUAL_AXES * L, first, 0.0) / np.where(span > EQUAL_AXES * L, span, np.nan)
 
 
+# Table 1 of Rettinger et al. (2022), in its order. L >= I >= S > 0 in any one unit of length.
 FORM_FACTORS = {
     "FL": lambda L, I, S: S / I,
     "EL": lambda L, I, S: I / L,

@@ -1,10 +1,11 @@
 """Geometry of closed triangle meshes: convex hull, exact moments, flat facets."""
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 # Options with which Qhull merges facets that are in one plane to 1e-10 of the extent, and drops their inner points.
 MERGING = "Qt C1e-10"
+BESIDE = 1e-10  # share of the extent; of points that are nearer to each other, one is kept
 
 
 def convex_hull(points):
@@ -24,6 +25,9 @@ def convex_hull(points):
     # Qhull's tolerances are absolute, so its points are scaled to size one about the origin.
     origin, size = points.mean(0), np.ptp(points, axis=0).max()
     scaled = (points - origin) / (size or 1.0)
+    if len(beside := cKDTree(scaled).query_pairs(BESIDE, output_type="ndarray")):
+        alone = np.setdiff1d(np.arange(len(points)), beside[:, 1])
+        points, scaled = points[alone], scaled[alone]
     try:
         # Rounding of points in a plane or on an edge leaves slivers, whose normals have any direction. The hull with
         # merged facets has other triangles, which may fold over each other, so only its choice of points is used.

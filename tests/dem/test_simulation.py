@@ -197,6 +197,18 @@ def test_fast_bodies_do_not_pass_through_each_other_unnoticed(radius, speed, pha
         ).advance(1e-3)
 
 
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.7, 0.9, 1.5])
+@pytest.mark.parametrize("gap", [1.0, 1.007, 1.013, 1.019])
+def test_bodies_that_meet_head_on_do_not_pass_through_each_other_unnoticed(share, gap):
+    """share: of the speed at which each moves by its diameter in a step of 25 µs."""
+    speed = share * 0.02 / 25e-6
+    with pytest.raises(FloatingPointError, match="may pass through each other unnoticed|body 0 overlaps body 1 by"):
+        simcore.Simulation(
+            [simcore.sphere(0.01)], [0, 0], [(-0.5 * gap, 0, 0), (0.5 * gap, 0, 0)],
+            velocity=[(speed, 0, 0), (-speed, 0, 0)], gravity=0.0, floor=False,
+        ).advance(2.0 * gap / speed)  # fmt: skip
+
+
 def test_a_thin_plate_that_flies_past_the_reach_of_its_list_is_not_missed():
     """Candidate pairs are listed for a tenth of a radius, which is a hundred times the thickness of these plates."""
     plate = simcore.convex([(x, y, z) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-5e-5, 5e-5)])

@@ -95,6 +95,14 @@ def test_a_hull_with_points_nearly_in_its_faces_is_closed(points, corners, volum
             assert len(vertices) == corners
 
 
+@pytest.mark.parametrize("scatter", [1e-13, 1e-11, 4e-11])
+def test_a_round_hull_has_no_points_beside_each_other(scatter):
+    ball = spiral_directions(300)
+    rng = np.random.default_rng(2)
+    vertices, faces = convex_hull(np.vstack([ball, ball + scatter * rng.uniform(-1.0, 1.0, ball.shape)]))
+    assert len(vertices) == 300 and trimesh.Trimesh(vertices, faces, process=False).is_watertight
+
+
 def test_points_that_span_a_hull_of_rounding_are_in_one_plane():
     flat = np.c_[np.random.default_rng(1).uniform(size=(30, 2)), np.zeros(30)]
     with pytest.raises(ValueError, match="all points are in one plane"):
