@@ -33,7 +33,7 @@ AS_OTHERS = "none"
 def figures_of_fabrics(studies, specifications):
     """Return the names of the figures of fabrics that these deposits allow, a list of str.
 
-    studies: name of the study of each deposit; specifications: the resolved one of each deposit.
+    studies: name of the study of each deposit; specifications: resolved specification of each deposit.
     """
     pairs = list(zip(studies, specifications, strict=True))
     figures = {"histograms": is_plain_diagonal, "histograms_over_sizes": is_plain_spread}
