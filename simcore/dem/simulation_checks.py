@@ -76,9 +76,9 @@ def steps_until_passed(bodies, thickness, dt):
     """Return the number of steps of dt [s] after which overlaps must be checked so that no body passes another one.
 
     A body reaches the sum of its half thickness and that of the thinnest body. In the returned steps the two fastest
-    bodies, if they move against each other, come nearer by half of this sum, so that a check finds a deep overlap unless
-    they only graze each other. FloatingPointError if they come nearer by the whole sum in one step. thickness (n,):
-    half of each body [m].
+    bodies, if they move against each other, come nearer by half of this sum, so that a check finds a deep overlap
+    unless they only graze each other. FloatingPointError if they come nearer by the whole sum in one step. thickness
+    (n,): half of each body [m].
     """
     speed = np.linalg.norm(bodies.velocity, axis=1) + np.linalg.norm(bodies.angular_velocity, axis=1) * bodies.radius
     others = np.full(len(speed), speed.max())
