@@ -25,7 +25,10 @@ def convex_hull(points):
     # Qhull's tolerances are absolute, so its points are scaled to size one about the origin.
     origin, size = points.mean(0), np.ptp(points, axis=0).max()
     scaled = (points - origin) / (size or 1.0)
-    if len(beside := cKDTree(scaled).query_pairs(BESIDE, output_type="ndarray")):
+    beside = cKDTree(scaled).query_pairs(BESIDE, output_type="ndarray")
+    # Qhull drops equal points itself. They remain, because the order of its triangles depends on them.
+    beside = beside[(scaled[beside[:, 0]] != scaled[beside[:, 1]]).any(1)]
+    if len(beside):
         alone = np.setdiff1d(np.arange(len(points)), beside[:, 1])
         points, scaled = points[alone], scaled[alone]
     try:
