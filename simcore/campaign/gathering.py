@@ -239,7 +239,14 @@ def gather(folder, name, rows):
 
 def _as_text(keys):
     """Return keys as they are compared: 300 of a file equals "300" of a specification, and empty equals empty."""
-    return keys.map(lambda value: "" if pd.isna(value) else str(value))
+    return keys.map(_text)
+
+
+def _text(value):
+    if pd.isna(value):
+        return ""
+    text = str(value)
+    return text.removesuffix(".0") if isinstance(value, float) or text[:-2].isdigit() else text
 
 
 def _sortable(column):

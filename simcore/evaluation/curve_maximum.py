@@ -35,9 +35,13 @@ def maximum(ratio, value, seed=1, resampled=RESAMPLED):
     higher end is used. The standard errors are from a bootstrap: in each of `resampled` draws the packings of each
     ratio are drawn again, and the window of the same width is placed again. They contain no bias of the cubic, and are
     nan with one packing per ratio.
-    ValueError if there are fewer than three ratios in the window.
+    ValueError if there are fewer than three ratios in the window, or if a ratio is not positive or a number not finite.
     """
     ratio, value = np.asarray(ratio, float), np.asarray(value, float)
+    if not (len(ratio) and np.isfinite([ratio, value]).all() and (ratio > 0.0).all()):
+        raise ValueError(
+            "maximum: there are no packings, or a ratio is not positive or a number not finite; correct it"
+        )
     ratios, counts = np.unique(ratio, return_counts=True)
     value = value[np.argsort(ratio, kind="stable")]
     starts = np.cumsum(counts) - counts

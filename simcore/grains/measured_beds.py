@@ -163,6 +163,13 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
         raise ValueError(
             f"{table.path}: the header of n has %, but all porosities are below 1 %; remove % if they are fractions"
         )
+    if all(bed.n_error < LEAST_ERROR for bed in beds):
+        least, remedy = f"{LEAST_ERROR:g}", ""
+        if percent:
+            least, remedy = f"{100 * LEAST_ERROR:g} %", "; if they are fractions, remove % from its header"
+        notices.append(
+            f"{table.path}: all n_error are below {least}, less than a measurement of porosity can reach{remedy}"
+        )
     return beds, notices
 
 
@@ -240,13 +247,18 @@ def _columns_with_labels(table, column):
     return [first] if len(set(texts)) == len(texts) else []
 
 
+def form_key(bed):
+    """Return what MeasuredBeds of the same form have in common, their form without round-off."""
+    return tuple(f"{value:.8g}" for value in bed.sample.form)
+
+
 def _check_repeats(path, beds, rows, given):
     """Raise a ValueError if two beds were given the same name and have different forms."""
     first_beds = {}
     for bed in beds:
         row = rows[bed.sample.name]
         other = first_beds.setdefault(given[row], bed)
-        if other.sample.form != bed.sample.form:
+        if form_key(other) != form_key(bed):
             raise ValueError(
                 f"{path}, row {row}: {given[row]} is also the name of row {rows[other.sample.name]}, which has another "
                 "form. If both are beds of one gravel, give both the mean form of its grains, so that they count as "
@@ -261,7 +273,7 @@ def _check_grains(path, beds, rows):
         rows[bed.sample.name]
         for above, bed in pairwise(beds)
         if (above.n, str(above.n_error), above.case) == (bed.n, str(bed.n_error), bed.case)
-        and above.sample.form != bed.sample.form
+        and form_key(above) != form_key(bed)
     ]
     if 2 * len(same_bed) > len(beds) and all(bed.sample.one_form for bed in beds):
         raise ValueError(

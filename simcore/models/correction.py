@@ -10,13 +10,23 @@ from that of the measured ones: if G x = (1) or (1, n_model)ᵀ are the regresso
 model's design, and A is the least-squares projection of the design on these regressors, the part (I - Aᵀ G) x remains.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from simcore.evaluation.confidence import student_quantile
 from simcore.models.regression import PorosityModel, varies
-from simcore.models.scatter import scatter_of
+from simcore.models.scatter import covariance_of, scatter_of
 
 CORRECTIONS = {"offset": 1, "rescaling": 2}  # number of fitted coefficients
+
+
+class Fitted(NamedTuple):
+    """The fitted coefficients a (and b) of a correction, their covariance, and the degrees of freedom."""
+
+    coefficients: np.ndarray
+    covariance: np.ndarray
+    freedom: int
 
 
 def regressors(kind, predicted):
@@ -34,9 +44,9 @@ def correct_model(base, kind, features, porosity, name, case):
     """Fit a correction of the PorosityModel `base` to measured porosities (n,).
 
     kind: key of CORRECTIONS. features: table (n, m) with the features of `base`. Returns the corrected PorosityModel,
-    and the OLS results of statsmodels for the coefficients a (and b). The range of the corrected model is that of
-    `base`; its bootstrap intervals are nan. If the scatter of `base` grows with its first feature, so does that of
-    the corrected model, scaled to the measured beds.
+    and the Fitted coefficients a (and b). The range of the corrected model is that of `base`; its bootstrap intervals
+    are nan. If the scatter of `base` grows with its first feature, so does that of the corrected model, scaled to the
+    measured beds, and the covariance is for beds of this scatter.
     """
     # Imported here because it loads slowly and a prediction needs no fit.
     from statsmodels.regression.linear_model import OLS
@@ -49,13 +59,18 @@ def correct_model(base, kind, features, porosity, name, case):
     slope = 1.0 if kind == "offset" else result.params[1]
     coefficients = result.params @ G + (own if kind == "offset" else 0.0)
     remaining = np.eye(len(own)) - (np.linalg.pinv(columns) @ design).T @ G
-    covariance = G.T @ result.cov_params() @ G + slope**2 * remaining.T @ np.array(base.covariance) @ remaining
+    own_scatter = scatter_of(design, base.scatter, base.scatter_line)
+    residual = np.eye(len(y)) - columns @ np.linalg.pinv(columns)
+    # The residuals over the scatter have this sum of squares on average if the beds have the scatter of `base`.
+    expected = np.sum((residual * own_scatter / own_scatter[:, None]) ** 2)
+    growth = float(np.sqrt(np.sum((result.resid / own_scatter) ** 2) / expected))
+    grows = base.scatter_line is not None
+    fitted_covariance = covariance_of(columns, growth * own_scatter) if grows else result.cov_params()
+    covariance = G.T @ fitted_covariance @ G + slope**2 * remaining.T @ np.array(base.covariance) @ remaining
     errors = np.sqrt(np.diag(covariance))
     half = student_quantile(0.95, result.df_resid) * errors
     unknown = (np.nan,) * len(own)
     scatter = float(np.sqrt(result.mse_resid))
-    over_base = result.resid / scatter_of(design, base.scatter, base.scatter_line)
-    growth = np.sqrt(np.sum(over_base**2) / result.df_resid)
     model = PorosityModel(
         name=name,
         case=case,
@@ -68,7 +83,7 @@ def correct_model(base, kind, features, porosity, name, case):
         bootstrap_upper=unknown,
         covariance=tuple(map(tuple, covariance.tolist())),
         scatter=scatter,
-        scatter_line=base.scatter_line and tuple(float(growth * value) for value in base.scatter_line),
+        scatter_line=tuple(growth * value for value in base.scatter_line) if grows else None,
         minimum=base.minimum,
         maximum=base.maximum,
         r_squared=float(1.0 - result.ssr / np.sum((y - y.mean()) ** 2)) if varies(y) else np.nan,
@@ -76,4 +91,4 @@ def correct_model(base, kind, features, porosity, name, case):
         n_samples=len(y),
         degrees_of_freedom=int(result.df_resid),
     )
-    return model, result
+    return model, Fitted(result.params, fitted_covariance, int(result.df_resid))

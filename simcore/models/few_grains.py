@@ -21,7 +21,7 @@ def few_grains_errors(model, samples):
     which may by chance be more alike than their gravel, the 95 % interval is at least that by these deviations. The
     error is nan if the number of grains is unknown, and 0 for one form, unless this is the form of a single grain.
     """
-    errors = _propagate(model, samples, [_covariance(sample) for sample in samples])
+    errors = errors_by_grains(model, samples)
     few = [i for i, sample in enumerate(samples) if sample.covariance and sample.grains < ENOUGH_GRAINS]
     if few:
         samples = [samples[i] for i in few]
@@ -29,6 +29,11 @@ def few_grains_errors(model, samples):
         ratios = [student_quantile(0.95, MOST_FREEDOM) / student_quantile(0.95, _freedom(each)) for each in samples]
         errors[few] = np.maximum(errors[few], by_rhine * ratios)
     return errors
+
+
+def errors_by_grains(model, samples):
+    """Return the errors of few_grains_errors (n,) without their minimum: those that are expected, not safe ones."""
+    return _propagate(model, samples, [_covariance(sample) for sample in samples])
 
 
 def _propagate(model, samples, covariances):

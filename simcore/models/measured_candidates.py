@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from simcore.evaluation.confidence import error_of_mean
+from simcore.evaluation.confidence import error_of_mean, student_quantile
+from simcore.grains.measured_beds import form_key
 
 BEDS_NEEDED = {"offset": 3, "rescaling": 6}
 # A bed with a leverage above this determines a coefficient alone, so that it cannot be predicted from the others.
@@ -62,10 +63,11 @@ def too_few(what, needed, beds, differ="form"):
 
 
 def rows_of_coefficients(kind, result):
-    """Return the rows of the coefficients of a correction; result: OLS results of statsmodels."""
-    lower, upper = result.conf_int(0.05).T
+    """Return the rows of the coefficients of a correction; result: Fitted."""
+    values, errors = result.coefficients, np.sqrt(np.diag(result.covariance))
+    half = student_quantile(0.95, result.freedom) * errors
     terms = [kind] if kind == "offset" else ["constant", "factor"]
-    return zip(terms, result.params, result.bse, lower, upper, strict=True)
+    return zip(terms, values, errors, values - half, values + half, strict=True)
 
 
 def group_repeats(measured):
@@ -73,8 +75,9 @@ def group_repeats(measured):
     groups = {}
     for bed in measured:
         curve = bed.curve
-        values = bed.sample.form + (() if curve is None else (*curve.bounds, *curve.mass_fractions))
-        groups.setdefault(tuple(f"{value:.8g}" for value in values), []).append(bed)
+        of_curve = () if curve is None else (*curve.bounds, *curve.mass_fractions)
+        key = form_key(bed), tuple(f"{value:.8g}" for value in of_curve)
+        groups.setdefault(key, []).append(bed)
     return list(groups.values())
 
 
@@ -93,16 +96,26 @@ def for_single_beds(candidate, repeats, repeat_scatter):
     """Return a Candidate whose model has the scatter of single beds instead of that of means of repeats.
 
     repeats (n,): number of repeats of each bed. repeat_scatter: standard deviation of repeats about their means, nan
-    without repeats.
+    without repeats. The degrees of freedom follow from those of the two variances by Satterthwaite's formula, for a
+    bed in the middle of the measured ones.
     """
     model = candidate.model
     if model is None or np.isnan(repeat_scatter):
         return candidate
-    scatter = float(np.sqrt(model.scatter**2 + _lost_in_means(repeats, repeat_scatter)))
-    changes = {"scatter": scatter}
+    lost = _lost_in_means(repeats, repeat_scatter)
+    scatter = float(np.sqrt(model.scatter**2 + lost))
+    changes = {"scatter": scatter, "degrees_of_freedom": _freedom(model, lost, np.asarray(repeats))}
     if getattr(model, "scatter_line", None) is not None and model.scatter > 0.0:
         changes["scatter_line"] = tuple(scatter / model.scatter * value for value in model.scatter_line)
     return candidate._replace(model=replace(model, **changes))
+
+
+def _freedom(model, lost, repeats):
+    """Return the degrees of freedom of the variance of a single bed; model: of means; lost: as _lost_in_means."""
+    fitted = len(repeats) - model.freedom
+    of_means = model.scatter**2 * (1.0 + fitted / len(repeats))
+    divided = of_means**2 / model.freedom + lost**2 / np.sum(repeats - 1)
+    return float((of_means + lost) ** 2 / divided) if divided > 0.0 else float(model.freedom)
 
 
 def scatter_of_means(model, repeats, repeat_scatter):

@@ -32,7 +32,9 @@ from simcore.models.measured_candidates import (
 )
 from simcore.models.measured_plausibility import question_repeats
 from simcore.models.packing_models.curves import span
-from simcore.models.prediction import ONE_CLASS, kind_of_bed, model_case
+from simcore.models.prediction import ONE_CLASS, kind_of_bed, model_case, predict_all_preferred, sample_features
+from simcore.models.regression import varies
+from simcore.models.scatter import scatter_of
 from simcore.models.size_and_form.bed_prediction import (
     error_parts,
     one_class_models,
@@ -51,9 +53,9 @@ class CurveFit:
     """The fit to the beds with sieve curves.
 
     beds: DataFrame with one row per bed: name, n, n_error (nan if unknown), repeats, curve (its name), ratio (`span` of
-    its sieve curve), n_one_class, form (number of its form, from 0) and predicted (by the model). agreement: as in
-    CaseFit, also of the models of the literature. base_error: mean absolute error of the model without a correction.
-    The others as in CaseFit.
+    its sieve curve), n_one_class, one_class_scatter (of beds about the model that gave it), form (number of its form,
+    from 0) and predicted (by the model). agreement: as in CaseFit, also of the models of the literature. base_error:
+    mean absolute error of the model without a correction. The others as in CaseFit.
     """
 
     beds: pd.DataFrame
@@ -108,7 +110,10 @@ def fit_curves(measured, fitted):
     ]
     one_class = _of_one_class(plain)
     forms, form_model = describe_forms([bed.sample for bed in first_of], one_class)
-    beds = beds.assign(form=form_numbers([bed.sample for bed in first_of], one_class))
+    beds = beds.assign(
+        form=form_numbers([bed.sample for bed in first_of], one_class),
+        one_class_scatter=_scatter_of_one_class([bed.sample for bed in first_of], one_class),
+    )
     constants = {"forms": forms, "form_model": form_model, "sized": model, "one_class": one_class}
     candidates = [_fit_correction(kind, beds, np.transpose(parts), constants) for kind in CORRECTIONS]
     candidates = [for_single_beds(item, beds.repeats, repeat_scatter) for item in candidates]
@@ -151,20 +156,30 @@ def _of_one_class(fitted):
     )
 
 
+def _scatter_of_one_class(samples, one_class):
+    """Return the scatter (n,) of beds of one class about the model that is preferred for each of the samples."""
+    rows = predict_all_preferred(samples, ONE_CLASS, one_class)
+    models = [one_class.models[row["model"], model_case(ONE_CLASS)] for row in rows]
+    features = sample_features(samples)
+    designs = [model.design(features.iloc[[i]]) for i, model in enumerate(models)]
+    scatters = [scatter_of(design, m.scatter, m.scatter_line) for design, m in zip(designs, models, strict=True)]
+    return np.concatenate(scatters)
+
+
 def _fit_correction(kind, beds, errors, constants):
     """Return the Candidate of a correction; errors (2, n): as from error_parts; constants: as for correct_curves."""
     needed = BEDS_NEEDED[kind]
     if len(beds) < needed:
         return not_fitted(kind, needed, too_few(f"a {kind}", needed, len(beds), "form or sieve curve"))
-    if kind == "rescaling" and np.ptp(beds.n) == 0:
+    if kind == "rescaling" and not varies(beds.n):
         return not_fitted(kind, needed, SAME)
     predicted = beds.predicted.to_numpy(float)
     columns, added = regressors(kind, predicted)
     left_out = left_out_errors(columns, beds.n - added)
     if left_out is None:
         return not_fitted(kind, needed, NO_SPREAD)
-    correction, result = correct_curves(kind, predicted, beds.n, errors, **constants)
-    return fitted_candidate(kind, needed, correction, rows_of_coefficients(kind, result), left_out)
+    correction, fitted = correct_curves(kind, predicted, beds.n, errors, **constants)
+    return fitted_candidate(kind, needed, correction, rows_of_coefficients(kind, fitted), left_out)
 
 
 def _compare(beds, rows, n, fitted):

@@ -65,7 +65,7 @@ def _describe_choice(fit):
     text = (
         f"The chosen model is the {fit.chosen.kind} of our model: n = {model.coefficients[0]:+.4f} + {factor}n_model. "
         "It is the simplest one whose error is within one standard error of the smallest. Single beds scatter about it "
-        f"by {model.scatter:.4f}, with {model.freedom} degrees of freedom."
+        f"by {model.scatter:.4f}, with {model.freedom:.3g} degrees of freedom."
     )
     if fit.base_error <= fit.chosen.error:
         text += " These beds give no reason to correct our model: as it is, its error is not larger."
@@ -98,23 +98,24 @@ def sentences(fit):
                 else "sizes and form act more than in our model"
             )
             texts.append(f"The factor of the rescaling is {span}: {what}.")
-    texts += describe_errors(fit)
+    texts += describe_errors(fit, "form and sieve curve")
     texts += validity(fit)
     return texts
 
 
 def _shared_by_form(fit):
     """Return a sentence on the error that beds of one form share, if a form has several beds, as a list."""
-    of_form = fit.model.one_class.models[tuple(fit.model.form_model)].scatter
     errors = (fit.beds.predicted - fit.beds.n).groupby(fit.beds.form)
     counts, total = errors.size(), len(fit.beds)
     if counts.max() == 1:
         return []
+    of_forms = fit.beds.one_class_scatter.groupby(fit.beds.form).mean()
     within = ((errors.size() - 1) * errors.var().fillna(0.0)).sum() / (total - len(counts))
-    error = np.sqrt(of_form**2 * (counts**2).sum() / total**2 + within / total)
+    error = np.sqrt(((of_forms * counts) ** 2).sum() / total**2 + within / total)
+    scatter = " to ".join(dict.fromkeys(f"{value:.4f}" for value in (of_forms.min(), of_forms.max())))
     bias_error = fit.agreement.iloc[0].bias_error
     return [
-        f"Beds of one form share the error of its one-class porosity, whose standard deviation is {of_form:.4f}. If "
+        f"Beds of one form share the error of its one-class porosity, whose standard deviation is {scatter}. If "
         f"the bias is to be that of beds of other forms too, its standard error is {error:.4f} instead of "
         f"{bias_error:.4f}, and the confidence intervals of the coefficients are too narrow likewise."
     ]

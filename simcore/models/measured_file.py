@@ -6,6 +6,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from simcore.models.regression import PorosityModel
+from simcore.models.scatter import with_least
 from simcore.writing import whole_file
 
 MEASURED = "measured"  # name of such a model
@@ -112,8 +113,11 @@ def _read_model(entry):
         if entry[name] is None:
             values[name] = None
     if values["scatter_line"] is not None:
-        intercept, slope = map(float, values["scatter_line"])
-        values["scatter_line"] = (intercept, slope)
+        line = tuple(map(float, values["scatter_line"]))
+        line = with_least(line, values["scatter"]) if len(line) == 2 else line  # of files of earlier versions
+        if len(line) != 3:
+            raise ValueError
+        values["scatter_line"] = line
     size = len(values["features"]) + 1
     if not (size == len(values["coefficients"]) == len(values["covariance"]) and math.isfinite(values["scatter"])):
         raise ValueError

@@ -22,7 +22,7 @@ import pandas as pd
 from simcore.grains.form_notices import SHOWN
 from simcore.grains.text_lists import join_first
 from simcore.models.correction import CORRECTIONS, correct_model, regressors
-from simcore.models.few_grains import few_grains_errors
+from simcore.models.few_grains import errors_by_grains
 from simcore.models.measured_candidates import (
     AGREEMENT,
     BEDS_NEEDED,
@@ -56,7 +56,7 @@ from simcore.models.prediction import (
     published_models,
     sample_features,
 )
-from simcore.models.regression import PorosityModel
+from simcore.models.regression import PorosityModel, dependent, varies
 from simcore.models.regression import fit as fit_features
 from simcore.models.single_form import SINGLE_FORM
 from simcore.models.unified import UNIFIED
@@ -220,7 +220,7 @@ def fit_case(measured, case, fitted, features="single_form"):
     predictions = _predict(samples, case, fitted)
     base, reason = _find_base(predictions, samples, case, fitted)
     base_model = fitted.models[base, case] if base else None
-    beds["form_error"] = few_grains_errors(base_model, samples) if base else np.nan
+    beds["form_error"] = errors_by_grains(base_model, samples) if base else np.nan
     beds["predicted"] = base_model.predict(beds) if base else _preferred(predictions, len(beds))
     candidates = fit_candidates(base_model, beds, case, features, reason)
     candidates = [for_single_beds(item, beds.repeats, repeat_scatter) for item in candidates]
@@ -344,14 +344,14 @@ def _fit_correction(kind, base, beds, case, reason):
         return not_fitted(kind, needed, reason)
     if len(beds) < needed:
         return not_fitted(kind, needed, too_few(f"{'an' if kind == 'offset' else 'a'} {kind}", needed, len(beds)))
-    if kind == "rescaling" and np.ptp(beds.n) == 0:
+    if kind == "rescaling" and not varies(beds.n):
         return not_fitted(kind, needed, SAME)
     columns, added = regressors(kind, base.predict(beds))
     errors = left_out_errors(columns, beds.n - added)
     if errors is None:
         return not_fitted(kind, needed, NO_SPREAD)
-    model, result = correct_model(base, kind, beds, beds.n, MEASURED, case)
-    return fitted_candidate(kind, needed, model, rows_of_coefficients(kind, result), errors)
+    model, fitted = correct_model(base, kind, beds, beds.n, MEASURED, case)
+    return fitted_candidate(kind, needed, model, rows_of_coefficients(kind, fitted), errors)
 
 
 def _fit_features(names, beds, case):
@@ -359,7 +359,7 @@ def _fit_features(names, beds, case):
     needed = BEDS_PER_COEFFICIENT * (len(names) + 1)
     if len(beds) < needed:
         return not_fitted("features", needed, too_few(f"a fit of {len(names)} features", needed, len(beds)))
-    if np.ptp(beds.n) == 0:
+    if not varies(beds.n):
         return not_fitted("features", needed, SAME)
     X = beds[list(names)]
     for name in names:
@@ -367,7 +367,7 @@ def _fit_features(names, beds, case):
             bed = beds.name[~np.isfinite(X[name])].iloc[0]
             return not_fitted("features", needed, f"{name} is not finite for {bed}; choose other features")
     errors = left_out_errors(np.column_stack([np.ones(len(X)), X]), beds.n)
-    if errors is None:
+    if errors is None or dependent(X):
         reason = f"the beds do not differ enough to separate {', '.join(names)}, or one bed alone separates them"
         return not_fitted("features", needed, reason)
     model = fit_features(X, beds.n, MEASURED, case)

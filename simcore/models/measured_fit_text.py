@@ -116,7 +116,8 @@ def _describe_choice(case):
     what = f"the {kind} of {_name(case.base)}" if kind in CORRECTIONS else "the fit of the features"
     text = (
         f"The chosen model is {what}: {formula}. It is the simplest one whose error is within one standard error of "
-        f"the smallest. Single beds scatter about it by {model.scatter:.4f}, with {model.freedom} degrees of freedom."
+        f"the smallest. Single beds scatter about it by {model.scatter:.4f}, with {model.freedom:.3g} degrees of "
+        "freedom."
     )
     if case.base_error <= case.chosen.error:
         text += f" These beds give no reason to correct {_name(case.base)}: as it is, its error is not larger."
@@ -136,7 +137,8 @@ def sentences(case):
     if np.ptp(x) > 1e-6 * x.max() and np.ptp(y) > 1e-6 * y.max():
         r = float(np.corrcoef(x, y)[0, 1])
         means = ""
-        if case.candidates[-1].model is not None:
+        fitted = case.candidates[-1].model
+        if fitted is not None and {name.removeprefix("mu_") for name in fitted.features} >= {"EQ_inv", "EL_inv"}:
             extent = "hardly separate" if abs(r) > CORRELATED else "can separate"
             means = f", so these beds {extent} their effects"
         texts.append(f"The correlation between 1/EQ and 1/EL is {r:.2f}{means}.")

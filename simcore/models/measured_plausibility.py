@@ -65,6 +65,8 @@ def _question(bed, predicted):
         f"{scale * predicted:.{digits}f}{unit}."
     )
     readings = {name: reading(bed.n) for name, _, reading in _READINGS}
+    if bed.in_percent and bed.n < 0.01:
+        readings["a fraction"] = 100.0 * bed.n
     likely = [
         f"if it is {name}, write {scale * n:.4g}" for name, n in readings.items() if abs(n - predicted) <= DIFFERENT
     ]

@@ -81,8 +81,11 @@ def sentences_on_reasons(case):
     return [f"Not fitted: {' and '.join(kinds)}, because {reason}." for reason, kinds in reasons.items()]
 
 
-def describe_errors(case):
-    """Return sentences on how the errors of the porosities and the repeats compare with the scatter."""
+def describe_errors(case, of_same="form"):
+    """Return sentences on how the errors of the porosities and the repeats compare with the scatter.
+
+    of_same: what the rows of one bed have in common.
+    """
     texts, scatter = [], scatter_of_means(case.chosen.model, case.beds.repeats, case.repeat_scatter)
     errors = case.beds.n_error
     if errors.notna().all():
@@ -99,7 +102,7 @@ def describe_errors(case):
         )
     if not math.isnan(case.repeat_scatter):
         texts.append(
-            f"Repeats of the same form scatter by {case.repeat_scatter:.4f}. Their mean counts as one bed; the "
+            f"Repeats of the same {of_same} scatter by {case.repeat_scatter:.4f}. Their mean counts as one bed; the "
             "interval is for a single bed, whose scatter contains that of repeats."
         )
     return texts

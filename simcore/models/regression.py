@@ -153,11 +153,11 @@ class PorosityModel:
 
     lower, upper: 95 % confidence intervals by least squares; bootstrap_lower, bootstrap_upper: the same by the
     bootstrap, nan for fewer than LEAST_FOR_BOOTSTRAP samples. covariance (m+1, m+1): of the coefficients. scatter:
-    standard deviation of the samples about the model, corrected for the degrees of freedom of the model;
-    scatter_line: intercept and slope of the scatter over the first feature, if it grows with it, else None
-    (simcore.models.scatter); rmse: root mean square residual over the samples of the fit. minimum, maximum (m,): of
-    each feature over these samples. mean_absolute_error, median_absolute_error: cross-validated errors, nan without
-    cross-validation; form_mixture_error: the mean one over the beds with a distribution of form, if there are
+    standard deviation of the samples about the model, corrected for the degrees of freedom of the model; scatter_line:
+    intercept and slope of the scatter over the first feature, and the least scatter, if it grows with this feature,
+    else None (simcore.models.scatter); rmse: root mean square residual over the samples of the fit. minimum, maximum
+    (m,): of each feature over these samples. mean_absolute_error, median_absolute_error: cross-validated errors, nan
+    without cross-validation; form_mixture_error: the mean one over the beds with a distribution of form, if there are
     others too, else None. degrees_of_freedom: of the scatter, if some coefficients were not fitted to the samples
     (simcore.models.correction); None: n_samples minus the number of coefficients.
     """
@@ -180,7 +180,7 @@ class PorosityModel:
     n_samples: int
     mean_absolute_error: float = np.nan
     median_absolute_error: float = np.nan
-    degrees_of_freedom: int | None = None
+    degrees_of_freedom: float | None = None
     scatter_line: tuple | None = None
     form_mixture_error: float | None = None
 

@@ -12,10 +12,11 @@ LEAST = 0.5  # of the scatter over all samples: the least one of any form
 
 
 def scatter_line(design, residuals):
-    """Return the scatter as a line over the first feature, (intercept, slope), or None if it does not grow with it.
+    """Return the scatter as a line over the first feature, (intercept, slope, least), or None if it does not grow.
 
-    design (n, m + 1): as of PorosityModel.design; residuals (n,). The sizes of the residuals, each for its leverage,
-    are fitted by a line (Glejser's test); the line is scaled so that the residuals over it have unit variance.
+    least is the scatter where the line is below it. design (n, m + 1): as of PorosityModel.design; residuals (n,). The
+    sizes of the residuals, each for its leverage, are fitted by a line (Glejser's test); the line is scaled so that the
+    residuals over it have unit variance.
     """
     # Imported here because it loads slowly and a prediction needs no fit.
     from scipy.stats import linregress
@@ -29,20 +30,27 @@ def scatter_line(design, residuals):
         return None
     expected = np.maximum(line.intercept + line.slope * x, LEAST * sizes.mean())
     factor = np.sqrt(np.mean(np.square(sizes / expected)))
-    return float(factor * line.intercept), float(factor * line.slope)
+    scatter = np.sqrt(np.sum(np.square(residuals)) / (len(residuals) - design.shape[1]))
+    return float(factor * line.intercept), float(factor * line.slope), float(LEAST * scatter)
 
 
 def line_of_row(row):
     """Return the line from a row of PorosityModel.to_rows, or None; files of earlier versions have none."""
     line = tuple(float(row.get(name, np.nan)) for name in ("scatter_intercept", "scatter_slope"))
-    return line if np.isfinite(line).all() else None
+    return with_least(line, float(row["scatter"])) if np.isfinite(line).all() else None
+
+
+def with_least(line, scatter):
+    """Return the line (intercept, slope) of a fit with its third value; scatter: over all samples of the fit."""
+    return *line, LEAST * scatter
 
 
 def scatter_of(design, scatter, line):
     """Return the scatter (n,) for rows of a design; scatter: over all samples; line: from scatter_line, or None."""
     if line is None:
         return np.full(len(design), scatter)
-    return np.maximum(line[0] + line[1] * design[:, 1], LEAST * scatter)
+    intercept, slope, least = line
+    return np.maximum(intercept + slope * design[:, 1], least)
 
 
 def covariance_of(design, scatter):

@@ -14,7 +14,9 @@ def over_seeds(packings, key):
     if key not in packings:
         return packings
     groups = packings.groupby(["case", key], sort=False, dropna=False)
-    means = groups.mean(numeric_only=True).copy()
+    means, low, high = (getattr(groups, of)(numeric_only=True) for of in ("mean", "min", "max"))
+    # The mean of three equal values may differ from them in the last digit.
+    means = means.where(low != high, low.astype(means.dtypes)).copy()
     if "n_std_error" in packings:
         means["n_std_error"] = groups["n_std_error"].agg(error_of_mean)
     return means.reset_index()

@@ -17,7 +17,6 @@ from simcore.models.measured_file import MEASURED
 from simcore.models.nearly_round import LEAST_RATIO, describe_nearly_round
 from simcore.models.packing_models.empirical import PREDICTORS
 from simcore.models.prediction_text import FEW_WORDS, SINGLE_GRAIN
-from simcore.models.scatter import LEAST
 from simcore.models.two_axes import WITHOUT_FEW_GRAINS
 from simcore.packing.sieve_specification import SYNTHETIC, sieve_specification
 from simcore.page.curve_data import curve_data
@@ -113,8 +112,8 @@ def _model(name, model, behind):
     return {
         "model": name,
         **{key: getattr(model, key) for key in keys},
-        "scatter_line": model.scatter_line or (model.scatter, 0.0),
-        "least_scatter": LEAST * model.scatter,
+        "scatter_line": model.scatter_line[:2] if model.scatter_line else (model.scatter, 0.0),
+        "least_scatter": model.scatter_line[2] if model.scatter_line else model.scatter,
         "error": model.mean_absolute_error,
         "error_of_mixtures": model.error_of_mixtures,
         "behind": behind,

@@ -195,6 +195,15 @@ def test_rows_are_sorted_by_numbers_and_then_words(tmp_path):
     assert pd.read_csv(tmp_path / "numbers.csv")["faces"].tolist() == ["50", "300", "2000", "original"]
 
 
+def test_a_number_is_the_same_beside_words_and_empty_cells(tmp_path):
+    """A column with an empty cell is written as 300.0, and one with a word as 300."""
+    for faces in ([300, None], ["original"], [300, None]):
+        gather(tmp_path, "numbers", pd.DataFrame({"faces": faces, "n": 0.4}))
+    assert sorted(pd.read_csv(tmp_path / "numbers.csv")["faces"].fillna("none").str.removesuffix(".0")) == [
+        "300", "none", "original",
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize("names", [("007", "008"), ("1e5", "NA"), ("12", "nan")])
 def test_names_of_grains_that_look_like_numbers_are_text(tmp_path, names):
     rows, beds = [], []

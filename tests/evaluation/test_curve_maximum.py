@@ -79,6 +79,14 @@ def test_errors_of_the_maximum_are_those_of_repeated_campaigns():
     )
 
 
+@pytest.mark.parametrize(
+    "ratio, value", [([], []), ([1.0, 1.1, 1.2], [0.1, np.nan, 0.2]), ([0.0, 1.0, 2.0], [1, 2, 1])]
+)
+def test_numbers_without_a_maximum_are_refused(ratio, value):
+    with pytest.raises(ValueError, match="maximum: there are no packings, or a ratio is not positive or a number not"):
+        maximum(ratio, value)
+
+
 def test_too_few_ratios_have_no_maximum():
     with pytest.raises(ValueError, match="fewer than three ratios"):
         maximum([1.0, 1.2, 1.0, 1.2], [0.6, 0.7, 0.6, 0.7])

@@ -84,6 +84,8 @@ def test_without_porosities_the_error_says_how_to_compute_them(read, header, hin
 def test_rows_of_one_name_are_repeats_or_refused(read):
     beds, _ = read("sample,FL,EL,n\nA,0.5,0.7,0.36\nA,0.5,0.7,0.37\n", "U1")
     assert [(bed.sample.name, bed.n) for bed in beds] == [("A", 0.36), ("A (row 3)", 0.37)]
+    beds, _ = read("sample,L,I,S,n\nA,30,20,10,0.36\nA,0.3,0.2,0.1,0.37\n", "U1")
+    assert [bed.n for bed in beds] == [0.36, 0.37], "the ratios of 0.3, 0.2 and 0.1 differ in their last digits"
     with pytest.raises(
         ValueError, match=r"row 4: A is also the name of row 2, which has another form. If both are beds"
     ):
@@ -164,6 +166,20 @@ def test_a_row_per_grain_is_refused(read, rows, refused):
     assert len(read(f"sample,FL,EL,n\n{named}", "U1")[0]) == len(rows)
     errors = "".join(f"{FL},0.7,{n},0.00{i + 1}\n" for i, (n, FL) in enumerate(rows))
     assert len(read(f"FL,EL,n,n_error\n{errors}", "U1")[0]) == len(rows)
+
+
+def test_errors_that_no_measurement_reaches_are_questioned(read):
+    def notices(n, n_error, unit=""):
+        _, found = read(f"mean_FL,std_FL,mean_EL,std_EL,n{unit},n_error{unit}\n0.6,0.1,0.7,0.1,{n},{n_error}\n", "U1")
+        return found
+
+    (notice,) = notices(36, 0.003, " [%]")
+    assert "all n_error are below 0.1 %, less than a measurement" in notice and notice.endswith(
+        "remove % from its header"
+    )
+    (notice,) = notices(0.36, 1e-6)
+    assert notice.endswith("all n_error are below 0.001, less than a measurement of porosity can reach")
+    assert notices(36, 0.3, " [%]") == notices(0.36, 0.003) == []
 
 
 @pytest.mark.parametrize(

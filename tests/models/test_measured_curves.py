@@ -18,12 +18,14 @@ from simcore.models.measured_check import check_models
 from simcore.models.measured_curves import CORRECTED, OURS, fit_curves
 from simcore.models.measured_fit import MeasuredFit
 from simcore.models.measured_fit_text import describe_fit
-from simcore.models.prediction import predict_samples
+from simcore.models.prediction import ONE_CLASS, predict_preferred, predict_samples, sample_features
+from simcore.models.scatter import scatter_of
 from simcore.models.size_and_form.bed_prediction import predict_curve
 from simcore.models.size_and_form.curve_correction import correct_curves
 from simcore.page.data import page_data
 from simcore.paths import ROOT
 from simcore.scene.sizes import all_cases
+from tests.helpers.reference_rows import sample_of_one_form
 
 EXAMPLE = ROOT / "examples" / "measured_curves.csv"
 NAMES = ("U3", "U5", "U7", "B30", "B50", "B70")
@@ -107,9 +109,22 @@ def test_beds_that_share_a_form_share_the_error_of_its_porosity(fitted):
     assert sentence(own) == "", "each bed has a form of its own"
     n = [predict_curve(bed.curve, [own[i < 4].sample], fitted).n.item() for i, bed in enumerate(own)]
     shared = [replace(bed, sample=own[i < 4].sample, n=n[i] + 0.01) for i, bed in enumerate(own)]
-    of_form = fitted.models["unified", "U1"].scatter
     # Four beds of one form and two of another, which do not scatter.
-    assert sentence(shared) == f"{of_form * np.sqrt((4**2 + 2**2) / 6**2):.4f} instead of 0.0000"
+    assert {predict_preferred(own[i].sample, ONE_CLASS, fitted)["model"] for i in (0, 1)} == {"unified"}
+    model = fitted.models["unified", "U1"]
+    designs = [model.design(sample_features([own[i].sample])) for i in (1, 0)]
+    four, two = (scatter_of(design, model.scatter, model.scatter_line).item() for design in designs)
+    assert sentence(shared) == f"{np.hypot(4 * four, 2 * two) / 6:.4f} instead of 0.0000"
+    # Of one form, the model of beds of one form gives the porosity.
+    flat = sample_of_one_form(0.35, 0.55)
+    n = [predict_curve(bed.curve, [flat], fitted).n.item() for bed in own]
+    rows = [replace(bed, sample=flat, n=value + 0.01) for bed, value in zip(own, n, strict=True)]
+    model = fitted.models["single_form", "U1"]
+    scatter = scatter_of(model.design(sample_features([flat])), model.scatter, model.scatter_line).item()
+    assert sentence(rows) == f"{scatter:.4f} instead of 0.0000"
+    repeated = rows + [replace(bed, n=bed.n + 0.004) for bed in rows]
+    text = " ".join(describe_fit(MeasuredFit([], [], [], fit_curves(repeated, fitted)), "beds.csv").split())
+    assert "Repeats of the same form and sieve curve scatter by 0.0028." in text
 
 
 def test_a_solid_fraction_of_a_bed_with_a_sieve_curve_is_questioned(fitted):

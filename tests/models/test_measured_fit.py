@@ -190,6 +190,41 @@ def test_equal_porosities_bear_only_an_offset(fitted):
     reasons = [item.reason for item in result.candidates]
     assert reasons == ["", "all measured porosities are the same", "all measured porosities are the same"]
     assert result.chosen.kind == "offset" and result.model.scatter > 0.005
+    # The mean of three repeats differs from them in the last digit.
+    beds = beds_of_one_form(9, lambda FL, EL: 0.37)
+    assert np.ptp([0.37, np.mean(3 * [0.37])]) > 0.0
+    result = fit_case(beds + 2 * beds[::2], "U1", fitted)
+    assert [item.reason for item in result.candidates] == reasons
+
+
+def test_nearly_dependent_features_leave_the_corrections(fitted):
+    """Beds of one flatness, up to errors of 1e-8: a fit would refuse the whole case."""
+    beds = beds_of_one_form(10, ours, scatter=0.004)
+    noise = 1.0 + 1e-8 * np.random.default_rng(1).normal(size=10)
+    samples = [sample_of_one_form(0.7 * extra, bed.sample.mu_EL) for bed, extra in zip(beds, noise, strict=True)]
+    result = fit_case([replace(bed, sample=s) for bed, s in zip(beds, samples, strict=True)], "U1", fitted)
+    assert [item.model is not None for item in result.candidates] == [True, True, False]
+    assert "the beds do not differ enough to separate EQ_inv, EL_inv" in result.candidates[-1].reason
+
+
+@pytest.mark.parametrize("repeats", [(2, 2, 2), (5, 5, 5), (1, 1, 10)])
+def test_intervals_of_few_repeated_beds_contain_a_single_bed_as_often_as_stated(fitted, repeats):
+    """With the degrees of freedom of three means they would contain 0.99."""
+    rng, beds, inside = np.random.default_rng(8), beds_of_one_form(3, ours), []
+    for _ in range(250):
+        shifts = 0.003 * rng.normal(size=4)
+        rows = [
+            replace(bed, n=bed.n + shift + 0.004 * rng.normal())
+            for bed, shift, number in zip(beds, shifts[1:], repeats, strict=True)
+            for _ in range(number)
+        ]
+        offset = fit_case(rows, "U1", fitted).candidates[0].model
+        assert offset.freedom > 2
+        new = pd.DataFrame({"EQ_inv": [1 / beds[0].sample.mu_EQ], "EL_inv": [1 / beds[0].sample.mu_EL]})
+        n, lower, upper = offset.predict_interval(new)
+        truth = beds[0].n + shifts[0] + 0.004 * rng.normal(size=20)
+        inside.append(np.mean((lower <= truth) & (truth <= upper)))
+    assert 0.90 < np.mean(inside) < 0.975
 
 
 def write_table(path, beds, **columns):
@@ -376,11 +411,15 @@ def test_fit_names_the_bed_whose_column_n_has_the_solid_fraction(tmp_path, capsy
     path.write_text(
         f"{head}A,62,{form}\n{rest}".replace(",n,", ",n [%],").replace(",0.36,", ",36,").replace(",0.345,", ",34.5,")
     )
+    percent = path.read_text()
     (notice,) = simcore.fit(path, case="U1").notices
     assert notice.endswith(
         "row 2: n = 62 % is far from the predicted 35 %. If it is the solid fraction, write 38; if it is the void "
         "ratio e, write 38.27."
     )
+    path.write_text(percent.replace("A,62,", "A,0.36,"))
+    (notice,) = simcore.fit(path, case="U1").notices
+    assert notice.endswith("row 2: n = 0.36 % is far from the predicted 35 %. If it is a fraction, write 36.")
 
 
 @pytest.mark.parametrize("number", [10, 11])
@@ -445,6 +484,8 @@ def test_sentences_name_what_the_beds_do_not_show(fitted):
     result = fit_case(beds, "U1", fitted)
     text = " ".join(sentences(result))
     assert "so these beds hardly separate their effects" in text
+    one_axis = " ".join(sentences(fit_case(beds, "U1", fitted, "single_form_EQ")))
+    assert "The correlation between 1/EQ and 1/EL is 1.00." in one_axis, "the fit has one of them only"
     assert "The beds do not show whether EL_inv has an effect" in text
     assert "form has a weaker effect than in our model" in text
     opposite = fit_case(beds_of_one_form(9, lambda FL, EL: 0.7 - ours(FL, EL), scatter=1e-4), "U1", fitted)

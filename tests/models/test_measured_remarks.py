@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from simcore.evaluation.confidence import student_quantile
 from simcore.grains.measured_beds import MeasuredBed
 from simcore.grains.measured_forms import Sample
-from simcore.grains.statistics import means_covariance
+from simcore.grains.statistics import few_grains_covariance, means_covariance
 from simcore.models.fitting import fit_reference_models
 from simcore.models.measured_candidates import scatter_of_means
 from simcore.models.measured_fit import MeasuredFit, fit_case
@@ -52,7 +53,36 @@ def test_the_interval_of_means_of_repeats_is_for_a_single_bed(committed):
     assert scatter_of_means(single, [3] * 10, repeats.std(ddof=1)) == pytest.approx(means.scatter)
     new = gravel("new", 0.6, 0.7)
     half = [np.ptp(of_new(model, new)[1:]) for model in (means, single)]
-    assert half[1] == pytest.approx(half[0] * single.scatter / means.scatter, rel=0.1)
+    ratio = single.scatter / means.scatter * student_quantile(0.95, single.freedom) / student_quantile(0.95, 9)
+    assert single.freedom > 9 and half[1] == pytest.approx(half[0] * ratio, rel=0.1)
+
+
+def drawn_gravel(rng, grains):
+    """Return a gravel with all its grains, and as it appears in so many of them."""
+    FL = np.clip(rng.normal(rng.uniform(0.45, 0.75), 0.13, 2000), 0.1, 1.0)
+    EL = np.clip(rng.normal(rng.uniform(0.5, 0.8), 0.1, 2000), 0.2, 1.0)
+    samples = []
+    for some in (slice(None), rng.integers(0, 2000, grains)):
+        a, b = FL[some], EL[some]
+        covariance = tuple(map(tuple, few_grains_covariance(a * b, b)))
+        samples.append(
+            Sample("", len(a), a.mean(), a.std(), b.mean(), b.std(), (a * b).mean(), (a * b).std(), covariance)
+        )
+    return samples
+
+
+def test_the_factor_that_few_grains_let_expect_is_the_mean_of_fitted_ones(committed):
+    """A safe limit of the errors, as intervals have, would let expect 0.56 with eight grains."""
+    rng, factors, expected = np.random.default_rng(6), [], []
+    model = committed.models["unified", "U1"]
+    for _ in range(100):
+        true, seen = zip(*(drawn_gravel(rng, 8) for _ in range(12)), strict=True)
+        n = model.predict(sample_features(true)) + 0.003 * rng.normal(size=12)
+        beds = [MeasuredBed(replace(s, name=f"bed {i}"), n[i], np.nan, "one-class") for i, s in enumerate(seen)]
+        case = fit_case(beds, "U1", committed)
+        factors.append(case.candidates[1].coefficients.value.iloc[1])
+        expected.append(1.0 - np.mean(case.beds.form_error**2) / np.var(case.beds.predicted, ddof=1))
+    assert np.mean(expected) == pytest.approx(np.mean(factors), abs=0.12)
 
 
 def of_new(model, sample):

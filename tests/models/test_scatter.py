@@ -32,7 +32,7 @@ def test_the_line_of_the_scatter_is_recovered():
     rng = np.random.default_rng(1)
     features = forms(4000, rng)
     model = fit(features, porosities(features, LINE, rng))
-    assert model.scatter_line == pytest.approx(LINE, rel=0.2)
+    assert model.scatter_line[:2] == pytest.approx(LINE, rel=0.2)
     assert scatter_of(np.array([[1.0, 1.0], [1.0, 3.0]]), model.scatter, model.scatter_line) == pytest.approx(
         [LEAST * model.scatter, 0.007], rel=0.05
     )

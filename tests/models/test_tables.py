@@ -213,6 +213,16 @@ def test_the_table_of_models_holds_intervals_errors_and_ranges(single_form_packi
     assert rows.median_absolute_error["EQ_inv"] == errors.median_absolute_error
 
 
+def test_sets_of_one_mean_form_stay_together_after_the_mean_over_seeds():
+    """The mean of three 0.7 is not 0.7, so that sets with one and with three seeds would have different means."""
+    assert np.mean([0.7] * 3) != 0.7
+    rows = pd.DataFrame(
+        {"case": "U1", "set": ["a", "b", "b", "b"], "mean_FL": 0.7, "mean_EL": 0.8, "n": 0.4, "faces": 9}
+    )
+    means = over_seeds(rows, "set")
+    assert means.groupby(["mean_FL", "mean_EL"]).ngroups == 1 and means.n.tolist() == [0.4, 0.4]
+
+
 def test_seeds_of_a_form_are_no_forms(single_form_packings):
     once = single_form_packings.assign(grain=[f"G{i % 40}" for i in range(80)])
     noise = 0.01 * np.random.default_rng(0).normal(size=80)

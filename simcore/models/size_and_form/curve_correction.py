@@ -20,7 +20,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from simcore.evaluation.confidence import student_quantile
-from simcore.models.correction import regressors
+from simcore.models.correction import Fitted, regressors
 from simcore.models.fitted_range import NEAR
 from simcore.models.prediction import sample_features
 from simcore.models.size_and_form.sized_model import SizedModel
@@ -40,7 +40,7 @@ class CurveCorrection:
     coefficients: tuple
     covariance: tuple
     scatter: float
-    freedom: int
+    degrees_of_freedom: float
     of_sizes: tuple
     of_form: tuple
     forms: tuple
@@ -57,9 +57,9 @@ class CurveCorrection:
         return 1.0 if self.kind == "offset" else self.coefficients[1]
 
     @property
-    def degrees_of_freedom(self):
-        """Degrees of freedom of the scatter."""
-        return self.freedom
+    def freedom(self):
+        """Degrees of freedom of the scatter, as PorosityModel has them."""
+        return self.degrees_of_freedom
 
     def unlike(self, samples):
         """Return the factor (s,) of the error of the one-class porosity of samples: 0 for forms like measured ones."""
@@ -94,6 +94,8 @@ class CurveCorrection:
 def read_correction(values, one_class):
     """Return the CurveCorrection of plain values of to_dict; one_class: FittedModels."""
     values = dict(values)
+    if "freedom" in values:  # the name in files of earlier versions
+        values["degrees_of_freedom"] = values.pop("freedom")
     for name in ("coefficients", "of_sizes", "of_form"):
         values[name] = tuple(map(float, values[name]))
     values["forms"] = tuple(tuple(map(float, form)) for form in values["forms"])
@@ -128,7 +130,7 @@ def _features(samples, one_class):
 
 
 def correct_curves(kind, predicted, porosity, errors, **constants):
-    """Fit a correction to beds: (CurveCorrection, OLS results of statsmodels).
+    """Fit a correction to beds: (CurveCorrection, Fitted).
 
     kind: "offset" or "rescaling". predicted, porosity (n,): by the SizedModel, and measured. errors: the pair
     (of_sizes, of_form) of the beds, each (n,). constants: the other fields of CurveCorrection.
@@ -144,9 +146,9 @@ def correct_curves(kind, predicted, porosity, errors, **constants):
         coefficients=tuple(result.params.tolist()),
         covariance=tuple(map(tuple, result.cov_params().tolist())),
         scatter=float(np.sqrt(result.mse_resid)),
-        freedom=int(result.df_resid),
+        degrees_of_freedom=float(result.df_resid),
         of_sizes=tuple((projection @ errors[0]).tolist()),
         of_form=tuple((projection @ errors[1]).tolist()),
         **constants,
     )
-    return model, result
+    return model, Fitted(result.params, result.cov_params(), int(result.df_resid))
