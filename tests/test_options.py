@@ -1,5 +1,7 @@
 """Reading of the options and paths of commands."""
 
+import os
+
 import pytest
 
 from simcore.commands.options import check_writable, cut_length, duration, grain_size, length
@@ -44,3 +46,6 @@ def test_the_check_of_an_output_leaves_all_files_as_they_are(tmp_path):
         check_writable(other, tmp_path / "none", other)
     with pytest.raises(OSError, match="cannot be written"):
         check_writable(other / "bed.nc")
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(ValueError, match="pipe is a device or a pipe, and not a file; give another path"):
+        check_writable(tmp_path / "pipe")

@@ -72,6 +72,8 @@ def check_writable(output: Path, *inputs, endings=()) -> None:
         raise ValueError(f"{output} must end in {' or '.join(endings)}; give another name")
     if output.is_dir():
         raise ValueError(f"{output} is a folder; give the name of a file in it")
+    if output.exists() and not output.is_file():
+        raise ValueError(f"{output} is a device or a pipe, and not a file; give another path")
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=output.parent, prefix=output.name):

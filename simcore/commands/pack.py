@@ -130,7 +130,7 @@ def _prepare(ranks, options, report):
         from simcore.export.frames import FramesKeeper
 
         frames = duration("--frames", options.frames)
-        keeper = FramesKeeper(keeper, options.output, frames, setup, specification, report, ranks)
+        keeper = FramesKeeper(keeper, options.output, frames, setup, specification, report, ranks, key)
     return specification, setup, keeper, warned
 
 

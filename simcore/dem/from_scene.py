@@ -123,10 +123,11 @@ def _check_steps(scene: Scene, composition: Composition):
             f"{math.ceil(sliding)}."
         )
     if steps < needed:
+        advised = max(STEPS_FOR_REST[dashpot], math.ceil(needed))
         raise ValueError(
             f"numerics.steps_per_contact_time: {steps:g} is unstable for a grain pinched between two others. At "
             f"restitution {scene.material.restitution:g} with an {dashpot} dashpot, at least {needed:.2f} steps are "
-            f"needed. Set {STEPS_FOR_REST[dashpot]}, so that grains with many contacts also come to rest."
+            f"needed. Set {advised}, so that grains with many contacts also come to rest."
         )
 
 

@@ -19,6 +19,7 @@ from simcore.packing.observation import observe
 from simcore.packing.packed import Packed
 from simcore.writing import whole_file
 
+_OF_PACKING = "of packing "
 _FRAME = re.compile(r"\d{5,}(?:_contacts)?\.vtp")
 
 
@@ -29,18 +30,19 @@ class FramesKeeper(Keeper):
     after its time is due; the .pvd file has the time of its state.
     """
 
-    def __init__(self, keeper: Keeper, output: Path, interval: float, setup, specification, report, ranks):
+    def __init__(self, keeper: Keeper, output: Path, interval: float, setup, specification, report, ranks, key=""):
         """output: file of the packing, bed.nc; the frames are bed_frames/00000.vtp, ... and bed.pvd, bed_contacts.pvd.
 
         interval [s]: of simulated time. setup, specification: of the packing. report(line): called if a frame cannot be
-        written, after which the packing goes on without frames. ValueError without pyvista.
+        written, after which the packing goes on without frames. key: of the packing, so that a resumed one continues
+        only its own series. ValueError without pyvista.
         """
         library("pyvista", "--frames")
         self.keeper, self.interval, self.setup, self.specification = keeper, interval, setup, specification
         self.ranks, self.dt = ranks, setup.scene.numerics.time_step
         self.folder, self.series = output.with_name(f"{output.stem}_frames"), output.with_suffix(".pvd")
         self.next, self.frames, self.wished = 0.0, [], 0  # frames: (time [s], path)
-        self.report, self.failed, self.begun = report, False, False
+        self.report, self.failed, self.begun, self.key = report, False, False, key
 
     def __getattr__(self, name):
         return getattr(self.keeper, name)  # what a keeper of checkpoints has besides the interface
@@ -55,7 +57,7 @@ class FramesKeeper(Keeper):
         latest = self.keeper.latest()
         if latest is not None:  # the frames before the checkpoint remain
             time = latest[0]["step"] * self.dt
-            self.frames = [frame for frame in _read_series(self.series) if frame[0] <= time]
+            self.frames = [frame for frame in _read_series(self.series, self.key) if frame[0] <= time]
             self.next = self._after(self.frames[-1][0]) if self.frames else 0.0
         return latest
 
@@ -97,8 +99,9 @@ class FramesKeeper(Keeper):
         path = self.folder / f"{len(self.frames):05d}.vtp"
         write_surfaces(path, packing)
         self.frames.append((time, path))
-        _write_series(self.series, self.frames)
-        _write_series(contacts_path(self.series), [(time, contacts_path(path)) for time, path in self.frames])
+        _write_series(self.series, self.frames, self.key)
+        contacts = [(time, contacts_path(path)) for time, path in self.frames]
+        _write_series(contacts_path(self.series), contacts, self.key)
         beat()
 
     def _remove_others(self):
@@ -109,9 +112,10 @@ class FramesKeeper(Keeper):
                 path.unlink()
 
 
-def _write_series(path, frames):
-    """Write a .pvd file; frames: (time [s], path) of each."""
+def _write_series(path, frames, key):
+    """Write a .pvd file; frames: (time [s], path) of each; key: of the packing, which stands in a comment."""
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
+    root.append(ElementTree.Comment(_OF_PACKING + key))
     collection = ElementTree.SubElement(root, "Collection")
     for time, file in frames:
         name = file.relative_to(path.parent).as_posix()
@@ -121,9 +125,13 @@ def _write_series(path, frames):
         ElementTree.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)
 
 
-def _read_series(path):
-    """Return the frames of a .pvd file, list of (time [s], path); empty if there is no such file."""
-    if not path.exists():
+def _read_series(path, key):
+    """Return the frames of a .pvd file, list of (time [s], path); empty if none has been written for this packing."""
+    try:
+        text = path.read_text(encoding="utf-8")
+        if f"<!--{_OF_PACKING}{key}-->" not in text:
+            return []
+        sets = ElementTree.fromstring(text).iter("DataSet")
+        return [(float(one.get("timestep")), path.parent / one.get("file")) for one in sets]
+    except (OSError, ElementTree.ParseError, ValueError, TypeError):  # a damaged file, or one of another program
         return []
-    sets = ElementTree.parse(path).getroot().iter("DataSet")
-    return [(float(one.get("timestep")), path.parent / one.get("file")) for one in sets]

@@ -15,6 +15,7 @@ import numpy as np
 from simcore.grains.form import equal_volume_diameter
 from simcore.grains.sampling import sample_grains
 from simcore.packing.insertion.random_placement import fall_time, layer_grains, zone_height
+from simcore.packing.insertion.waiting import check_steps, steps_of_wait
 from simcore.scene.domain import lattice_sites
 from simcore.scene.scene import R22_FIRST_FILL, REFILL_HEIGHT, Scene
 from simcore.scene.setup import KIND_NUMBERS, make_scene, shape_choice
@@ -215,9 +216,8 @@ def _random_batches(scene, pour):
         zone = zone_height(pour.reach, np.full(min(batch, pour.grains), volume), area)
         interval = _fall_time(scene, generation.drop_height + zone)
     inserted = [*range(batch, pour.grains, batch), pour.grains]
-    # A batch is inserted at a check of the packing.
-    check = max(round(scene.convergence.interval / scene.numerics.time_step), 1)
-    wait = max(-(-round(interval / scene.numerics.time_step) // check), 1) * check
+    check, dt = scene.convergence.interval, scene.numerics.time_step
+    wait = max(steps_of_wait(interval, check, dt), check_steps(check, dt))
     return inserted, [wait] * (len(inserted) - 1) + [0]
 
 

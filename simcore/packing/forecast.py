@@ -209,9 +209,10 @@ def bed_warnings(domain: Domain, grains: Grains, density: float, cut=None) -> li
     bed = forecast(domain, grains, cut)
     text = f"The bed will be about {in_mm(bed.height)} mm high"
     if bed.at_floor > 0.0 or bed.at_surface > 0.0:
+        by = "" if cut is None else f", with a cut of {in_mm(cut)} mm,"
         text += (
-            f"; its porosity leaves out {in_mm(bed.at_floor)} mm at the floor and {in_mm(bed.at_surface)} mm below the "
-            "surface"
+            f"; its porosity{by} leaves out {in_mm(bed.at_floor)} mm at the floor and {in_mm(bed.at_surface)} mm "
+            "below the surface"
         )
     if bed.evaluated < bed.smallest:
         certainty = "" if bed.too_low else "probably "

@@ -61,12 +61,14 @@ def setup_warnings(setup: Setup, sample=None, low_bed: bool = True, cut: float |
     """Return a warning for each property of the grains and the bed that may make the result differ from the intention.
 
     sample: all grains of the packing, if they have been drawn already. low_bed: whether to warn if the bed is too low
-    to be evaluated, or to be evaluated with a small sampling error. cut [m]: with which it will be evaluated.
+    to be evaluated. cut [m]: with which it will be evaluated.
     """
     grains = grains_of(setup, sample)
     scene = setup.scene
     density = scene.material.density
-    lines = bed_warnings(scene.domain, grains, density, cut) if low_bed else []
+    lines = bed_warnings(scene.domain, grains, density, cut)
+    if not low_bed and forecast(scene.domain, grains, cut).too_low:
+        lines = []
     lines += height_warnings(scene.domain, grains, density, vars(scene.generation))
     lines += expected_warnings(scene, grains)
     return [*lines, *setup.notes, *_class_warnings(setup, grains)]

@@ -5,6 +5,7 @@ after the last insertion. Then all velocities are damped until the packing has c
 depend on the state of the whole packing at fixed steps, never on wall-clock time.
 """
 
+import math
 import time
 from collections.abc import Callable
 
@@ -15,6 +16,7 @@ from simcore.dem.state.parts import assemble
 from simcore.packing.announcement import announcement
 from simcore.packing.expectation import expect, warnings
 from simcore.packing.insertion.insertion import Insertion
+from simcore.packing.insertion.waiting import check_steps
 from simcore.packing.keeping import KEEP_AND_STOP, Keeper
 from simcore.packing.neighbour_lists import adapt_look_ahead, margins, skin_of
 from simcore.packing.observation import observe
@@ -67,7 +69,7 @@ class Process:
         self.insertion = Insertion(scene, bases, draw, self.stepper, ranks)
         self.watch = Watch(scene, self.stepper.box.width, report, ranks)
         self.dt = scene.numerics.time_step
-        self.interval_steps = max(round(scene.convergence.interval / self.dt), 1)
+        self.interval_steps = check_steps(scene.convergence.interval, self.dt)
         self.shaking_steps = round(scene.shaking.duration / self.dt)
         self.state = PackingState()
         self.bodies = None
@@ -173,7 +175,8 @@ class Process:
         if state.phase != DAMPING:
             state.phase, state.damping_start = DAMPING, state.step
             state.mean_height = observe(self.bodies, self.candidates, self.ranks).mean_height
-        end = state.damping_start + max(round(scene.damping.max_time / self.dt), 1)
+        stretches = math.ceil(max(round(scene.damping.max_time / self.dt), 1) / self.interval_steps)
+        end = state.damping_start + stretches * self.interval_steps
         while state.in_stretch or state.step < end:
             observed = self.advance(self.interval_steps, DAMPING, end)
             verdict = self._judge(observed)
@@ -189,7 +192,8 @@ class Process:
         goal = scene.convergence
         allowed = f" (allowed {goal.max_speed:g})" if goal.rule == "still" else ""
         raise PackingError(
-            f"{scene.name}: not at rest after {scene.damping.max_time:g} s of damping, step {state.step}: "
+            f"{scene.name}: not at rest after {(state.step - state.damping_start) * self.dt:.4g} s of damping, step "
+            f"{state.step}: "
             f"{verdict.reason}, grain {fastest} moves at {observed.max_speed:.2g} m/s{allowed}"
             f"{self.watch.hint(state.watch)}. {self.watch.advice_on_rest(state.watch)}"
         )

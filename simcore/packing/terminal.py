@@ -39,8 +39,12 @@ class _Reporter:
 
     def __call__(self, line):
         if self.log is not None:
-            with self.log.open("a") as file:
-                print(line, file=file)
+            try:
+                with self.log.open("a") as file:
+                    print(line, file=file)
+            except OSError as error:  # a packing is worth more than its log
+                unwritten, self.log = self.log, None
+                self(f"{unwritten} cannot be written ({error.strerror}); the lines that follow are missing in it")
         if self.bar is None:
             print(line, file=self.stream, flush=True)
             return

@@ -154,8 +154,13 @@ class Scene:
         if self.shaking.amplitude > 0.0 and self.shaking.period < LEAST_STEPS * self.numerics.time_step:
             raise ValueError(
                 f"shaking.period: {self.shaking.period:g} s are fewer than {LEAST_STEPS} time steps of "
-                f"{self.numerics.time_step:.3g} s, which do not resolve the shaking; give a longer period, or a "
-                "shorter numerics.contact_time"
+                f"{self.numerics.time_step:.3g} s, which do not resolve the shaking; give a longer period, or "
+                + ("stiffer grains" if self.hertzian is not None else "a shorter numerics.contact_time")
+            )
+        if self.damping.max_time < self.convergence.interval:
+            raise ValueError(
+                f"damping.max_time: {self.damping.max_time:g} s are shorter than convergence.interval, "
+                f"{self.convergence.interval:g} s, after which rest is checked; give a longer time"
             )
         if self.material.fluid_density >= self.material.density:
             raise ValueError(

@@ -66,6 +66,7 @@ def set_up(specification: dict, load_grains) -> Setup:
             "shapes.choice: form_by_size needs sieve sizes; give a sieve curve in `sizes`, by `case`, or by `bounds` "
             "and `mass_fractions`"
         )
+    notes += tuple(_unused_forms(choice.by_size, curve)) if choice.choice == "form_by_size" else ()
     curve = with_volume_factors(curve, choice)
     check_amount(specification, curve)
     seed, quota, number = specification["seed"], None, specification["amount"]["grains"]
@@ -158,6 +159,18 @@ def shape_choice(shapes: dict) -> ShapeChoice:
     if shapes["by_size"] is not None:
         settings["by_size"] = tuple(_forms_below(group) for group in shapes["by_size"])
     return ShapeChoice(**settings)
+
+
+def _unused_forms(by_size, curve):
+    """Return a sentence on each FormsBelow that no grain of a SieveCurve has."""
+    above = 0.0
+    for number, forms in enumerate(by_size):
+        if forms.below <= curve.least or above >= curve.largest:
+            yield (
+                f"shapes.by_size[{number}] has no effect, because the sieve sizes of the grains are from "
+                f"{1000 * curve.least:g} to {1000 * curve.largest:g} mm"
+            )
+        above = forms.below
 
 
 def _forms_below(group):

@@ -17,6 +17,7 @@ import difflib
 import functools
 import math
 import re
+import sys
 from os import PathLike
 from pathlib import Path
 
@@ -28,6 +29,7 @@ from simcore.paths import CONFIG
 from simcore.scene.quantity import NUMBER, describe_quantity, parse_quantity
 from simcore.scene.sizes import size_curve
 from simcore.scene.unused import check_used
+from simcore.scene.yaml_nodes import UnsuitableYAML, check_nodes
 
 
 def resolve(raw, schema="packing", where="", unused="keep"):
@@ -94,6 +96,8 @@ def _plain(value):
 def read_specification(path, schema="packing"):
     """Read the YAML file at `path` and return its resolved specification; ValueError names the file and the key."""
     path = Path(path)
+    if path.is_dir():
+        raise ValueError(f"{path}: this is a folder; give the file of a specification")
     if not path.is_file():
         raise ValueError(f"{path}: there is no such file; correct the path")
     raw = read_yaml(path)
@@ -111,44 +115,22 @@ def read_specification(path, schema="packing"):
 def read_yaml(path):
     """Return the content of the YAML file at `path`, in UTF-8, or UTF-16 with a byte order mark.
 
-    ValueError if it is not valid YAML, or if a key occurs twice in a group.
+    ValueError if it is not valid YAML, if a key occurs twice in a group, or if the YAML would surprise: whole numbers
+    with a leading 0 or a colon, and aliases that contain themselves or expand to more than MOST_VALUES.
     """
     data = path.read_bytes()
     try:
         document = yaml.compose(data, Loader=yaml.SafeLoader)
-        content = yaml.safe_load(data)
-    except (yaml.YAMLError, ValueError) as error:  # ValueError: from a date that does not exist
+        check_nodes(path, document)
+        return yaml.safe_load(data)
+    except yaml.YAMLError as error:
         raise ValueError(f"{path} is not valid YAML: {' '.join(str(error).split())}") from None
     except RecursionError:
         raise ValueError(f"{path} is not valid YAML: it is nested too deeply") from None
-    _check_keys(path, document)
-    return content
-
-
-def _check_keys(path, document):
-    """Raise ValueError if a key occurs twice in a group of a composed YAML document.
-
-    YAML itself would use the last one without a message.
-    """
-    nodes, checked = [document], set()
-    while nodes:
-        node = nodes.pop()
-        if not isinstance(node, yaml.CollectionNode) or id(node) in checked:
-            continue
-        checked.add(id(node))
-        if isinstance(node, yaml.SequenceNode):
-            nodes += node.value
-            continue
-        lines = {}
-        for key, value in node.value:
-            nodes += [key, value]
-            if isinstance(key, yaml.ScalarNode):
-                line, earlier_line = key.start_mark.line + 1, lines.get(key.value)
-                if earlier_line is not None:
-                    raise ValueError(
-                        f"{path}, line {line}: {key.value} is given in line {earlier_line} already; remove one of them"
-                    )
-                lines[key.value] = line
+    except UnsuitableYAML:
+        raise
+    except (ValueError, KeyError, AttributeError) as error:  # a date that does not exist, or an explicit tag
+        raise ValueError(f"{path} is not valid YAML: {' '.join(str(error).split())}") from None
 
 
 def read_schema(schema):
@@ -224,6 +206,8 @@ def _convert(value, schema, path):
     if isinstance(value, list) and ("array" in types or not types):
         items = schema.get("items", {})
         return [_convert(item, items, f"{path}[{number}]") for number, item in enumerate(value)]
+    if isinstance(value, int) and "number" in types and abs(value) > sys.float_info.max:
+        raise ValueError(f"{_name_path(path)}: a number of {len(str(abs(value)))} digits is too large; correct it")
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError(f"{_name_path(path)}: {value} is not a finite number; {_describe_needed(schema)}")
     if types and not any(_is_type(value, name) for name in types):

@@ -34,10 +34,10 @@ class Notes(Keeper):
         self.grains.append(sum(len(part["body.id"]) for part in parts))
 
 
-def keep_frames(folder, keeper, interval=0.05, report=print):
+def keep_frames(folder, keeper, interval=0.05, report=print, key="few"):
     setup, specification = set_up_few_spheres(), resolve(specify_few_spheres())
     ranks = OneRank()
-    return setup, FramesKeeper(keeper, folder / "few.nc", interval, setup, specification, report, ranks), ranks
+    return setup, FramesKeeper(keeper, folder / "few.nc", interval, setup, specification, report, ranks, key), ranks
 
 
 @pytest.fixture(scope="module")
@@ -127,6 +127,26 @@ def test_frames_before_a_checkpoint_remain_after_it_is_resumed(series, tmp_path)
     _, keeper, _ = keep_frames(tmp_path, Notes({"step": step}))
     keeper.latest()
     assert keeper.frames == [] and keeper.next == 0.0
+
+
+@pytest.mark.parametrize("left", ["of another packing", "cut off", "without times", "no text"])
+def test_a_series_that_is_not_of_this_packing_is_not_continued(series, tmp_path, left):
+    folder, _, _ = series
+    text = (folder / "few.pvd").read_text()
+    _, keeper, _ = keep_frames(tmp_path, Notes({"step": 10**6}))
+    (tmp_path / "few.pvd").write_text(text)
+    keeper.latest()
+    assert len(keeper.frames) > 4
+    changed = {
+        "of another packing": text.replace("few-->", "many-->").encode(),
+        "cut off": text[:-30].encode(),
+        "without times": text.replace("timestep", "time").encode(),
+        "no text": b"\xff\xfe\xff",
+    }
+    assert changed[left] != text.encode()
+    (tmp_path / "few.pvd").write_bytes(changed[left])
+    keeper.latest()
+    assert keeper.frames == []
 
 
 def test_frames_of_a_former_run_do_not_remain_in_the_series(tmp_path):

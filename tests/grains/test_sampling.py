@@ -16,6 +16,7 @@ from simcore.grains.sampling import (
     with_volume_factors,
 )
 from simcore.grains.sieve import SieveCurve
+from tests.helpers.few_spheres import set_up_few_spheres
 
 CURVE = SieveCurve([4e-3, 8e-3, 11.2e-3, 16e-3], [0.2, 0.5, 0.3])
 IDS = np.arange(20000)
@@ -199,6 +200,20 @@ def test_forms_by_size_have_the_sieve_curve_that_is_specified(grains, kind):
 def test_wrong_ranges_of_size_are_refused(below, reason):
     with pytest.raises(ValueError, match=reason):
         ShapeChoice(choice="form_by_size", by_size=tuple(FormsBelow(end, 0.5, 0.1, 0.5, 0.1) for end in below))
+
+
+def test_a_range_of_size_without_grains_is_noted():
+    def notes(*ends):
+        form = {key: {"mean": 0.6, "std": 0.1} for key in ("flatness", "elongation")}
+        by_size = [{"below": end, **form} for end in ends] + [form]
+        return set_up_few_spheres(shapes={"kind": "ellipsoid", "choice": "form_by_size", "by_size": by_size}).notes
+
+    assert notes("7 mm") == ()
+    (note,) = notes("50 mm")
+    assert note.startswith(
+        "shapes.by_size[1] has no effect, because the sieve sizes of the grains are from 5.6 to 8 mm"
+    )
+    assert [note[:17] for note in notes("1 mm", "7 mm", "8 mm")] == ["shapes.by_size[0]", "shapes.by_size[3]"]
 
 
 def test_a_wrong_form_of_a_range_of_size_is_named():

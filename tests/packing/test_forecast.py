@@ -247,6 +247,8 @@ def test_a_bed_with_a_large_sampling_error_is_warned_of():
     # Nothing is cut in a cylinder.
     assert forecast(replace(BOX, type="cylinder"), grains(1e-4)).evaluated > 0.0
     assert forecast(BOX, grains(1e-4), cut=0.0).evaluated == pytest.approx(1e-4 / (0.64 * BOX.area))
+    (text,) = bed_warnings(replace(BOX, width=0.02), grains(4e-4 * 0.64 * 0.04, size=16e-3), DENSITY, cut=1e-3)
+    assert "its porosity, with a cut of 1 mm, leaves out 1 mm at the floor" in text
 
 
 def test_a_river_sample_in_too_wide_a_box_is_refused(tmp_path, capsys):
@@ -273,8 +275,12 @@ def test_force_packs_what_cannot_be_evaluated_and_warnings_reach_the_page(tmp_pa
     # A bed of nearly sufficient height is packed, with a warning on the screen, in the file, in the table and on the
     # page.
     path, log = write(tmp_path, specify_few_spheres(amount={"grains": 44})), tmp_path / "log.txt"
+    assert main(["pack", path, str(output), "--force"]) == 0
+    forced = read_packing(output).attrs["warnings"]
+    capsys.readouterr()
     assert main(["pack", path, str(output), "--log", str(log)]) == 0
     warned = read_packing(output).attrs["warnings"]
+    assert warned == forced, "--force only allows a bed that is too low"
     assert f"few: warning: {warned}" in capsys.readouterr().err and f"few: warning: {warned}" in log.read_text()
     evaluate(read_packing(output)).to_netcdf(tmp_path / "evaluation.nc")
     row = {"packing": "p1", "varied": {}}

@@ -1,5 +1,7 @@
 """The packing process with a few grains: it ends at rest, repeats its bits, and fails with a reason."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -114,6 +116,18 @@ def test_fill_r22_inserts_whole_batches():
 def test_not_at_rest_names_grain_and_step():
     with pytest.raises(PackingError, match=r"few: not at rest after 0.02 s of damping, step \d+: .*grain \d+ moves at"):
         pack_few_spheres(damping={"max_time": "0.02 s"}, convergence={"max_speed": "1e-9 m/s"})
+    with pytest.raises(PackingError, match=r"few: not at rest after 0.03 s of damping"):
+        pack_few_spheres(damping={"max_time": "0.021 s"}, convergence={"max_speed": "1e-9 m/s"})
+    with pytest.raises(ValueError, match="damping.max_time: 0.001 s are shorter than convergence.interval, 0.01 s"):
+        set_up_few_spheres(damping={"max_time": "1 ms"})
+
+
+def test_the_advised_number_of_steps_is_enough():
+    refused = {"law": "hertz", "youngs_modulus": "10 MPa", "restitution": 0.001, "end_of_contact": "clamped"}
+    with pytest.raises(ValueError, match=r"at least 3\d\d\.\d+ steps are needed. Set 3\d\d, so") as error:
+        compose(set_up_few_spheres(material=refused, numerics={}).scene)
+    advised = int(re.search(r"Set (\d+)", str(error.value))[1])
+    compose(set_up_few_spheres(material=refused, numerics={"steps_per_contact_time": advised}).scene)
 
 
 def test_a_domain_that_is_too_low_is_an_error():

@@ -51,6 +51,18 @@ def test_in_a_terminal_progress_is_a_bar_and_other_lines_stay(tmp_path):
     assert (tmp_path / "new" / "few.log").read_text().splitlines() == LINES
 
 
+def test_a_log_that_cannot_be_written_does_not_end_the_packing(tmp_path):
+    log, stream = tmp_path / "logs" / "few.log", io.StringIO()
+    report = reporter(log, stream)
+    report(LINES[0])
+    log.unlink()
+    log.parent.rmdir()
+    report(LINES[1])
+    report(LINES[2])
+    said = f"{log} cannot be written (No such file or directory); the lines that follow are missing in it"
+    assert stream.getvalue().splitlines() == [LINES[0], said, *LINES[1:]]
+
+
 def test_the_share_is_that_of_the_outlook(monkeypatch):
     shares = []
     monkeypatch.setattr(terminal._Bar, "move", lambda self, line, ahead: shares.append(ahead.share))

@@ -213,6 +213,18 @@ def test_a_file_may_be_saved_as_unicode(tmp_path, encoding):
         ("faces: 50\nshapes: {kind: polyhedron,\n  kind: sphere}\n", r"line 6: kind is given in line 5 already"),
         (f"faces: {3000 * '['}", "mine.yaml is not valid YAML: it is nested too deeply"),
         ("name: 2001-99-99\n", "mine.yaml is not valid YAML: month must be in"),
+        ("seed: 010\n", "mine.yaml, line 4: YAML reads 010 as an octal number; write 10, or in quotation marks"),
+        ("seed: 1:30\n", "mine.yaml, line 4: YAML reads 1:30 as a number to the base 60; write a number, or a time"),
+        ("shaking: &x {duration: *x}\n", "mine.yaml, line 4: a group contains itself by its alias; write out"),
+        ("seed: !!timestamp abc\n", "mine.yaml is not valid YAML"),
+        ("seed: !!bool abc\n", "mine.yaml is not valid YAML"),
+        (f"material: {{friction: 1{400 * '0'}}}\n", "material.friction: a number of 401 digits is too large; correct"),
+        ("grains: {unit: 1e-999999999 m}\n", "grains.unit"),
+        (
+            "x0: &x0 [1]\n" + "".join(f"x{i}: &x{i} [{9 * ('*x' + str(i - 1) + ', ')}]\n" for i in range(1, 9)),
+            "mine.yaml: its aliases expand to more than 1000000 values",
+        ),
+        ('name: "bed\\n"\n', "name: 'bed.n' has other characters than letters"),
     ],
 )
 def test_what_yaml_takes_silently_or_stumbles_over_is_refused(tmp_path, text, message):

@@ -7,6 +7,7 @@ from simcore.dem.step.candidate_pairs import list_candidates
 from simcore.packing.insertion.batches import Pouring
 from simcore.packing.insertion.initial_states import initial_states
 from simcore.packing.insertion.random_placement import fall_time
+from simcore.packing.insertion.waiting import steps_of_wait
 from simcore.packing.messages import no_space
 from simcore.packing.packed import GENERATING, PackingError
 
@@ -53,7 +54,7 @@ class Insertion:
         """Return the next batch: (new bodies, their mean sieve size [m]); store in `state` when another may follow."""
         scene, inserted = self.scene, state.inserted
         drawn, places, interval = self.pouring.batch(inserted, self._top(bodies), self._touching)
-        state.next_insertion = state.step + round(interval / self.dt)
+        state.next_insertion = state.step + steps_of_wait(interval, self.scene.convergence.interval, self.dt)
         count = len(places)
         if scene.amount_grains is not None:
             state.complete = inserted + count >= scene.amount_grains
@@ -65,7 +66,8 @@ class Insertion:
                 # ASSUME: the grain that reaches the mass is the last. Rettinger et al. (2022) end with a whole batch
                 # and exceed the mass, but here a batch just above the bed can be larger than the packing.
                 count = int(np.searchsorted(mass, scene.amount_mass)) + 1
-        state.space_deadline = max(state.step, state.next_insertion) + round(2.0 * self.fall_time() / self.dt)
+        fallen = state.step + round(interval / self.dt)
+        state.space_deadline = max(state.step, fallen) + round(2.0 * self.fall_time() / self.dt)
         new = self._new_bodies(drawn, places, count)
         new.id[:] += inserted
         return new, float(np.mean(drawn.sieve_size[:count]))
