@@ -49,3 +49,4 @@ def test_the_check_of_an_output_leaves_all_files_as_they_are(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(ValueError, match="pipe is a device or a pipe, and not a file; give another path"):
         check_writable(tmp_path / "pipe")
+    check_writable(tmp_path / "pipe", is_replaced=False)

@@ -18,7 +18,7 @@ from simcore.campaign.evaluations import grain_set_of, how_it_differs
 from simcore.campaign.study_tables import tabulate
 from simcore.campaign.trend_tables import tabulate_trends
 from simcore.reference.columns import COMMITTED_NAMES
-from simcore.reference.named_tables import read_named_table
+from simcore.reference.named_tables import NAMES, read_named_table
 from simcore.scene.identity import result_digest
 from simcore.writing import whole_file
 
@@ -239,14 +239,14 @@ def gather(folder, name, rows):
 
 def _as_text(keys):
     """Return keys as they are compared: 300 of a file equals "300" of a specification, and empty equals empty."""
-    return keys.map(_text)
+    return pd.DataFrame({key: [_text(value, key in NAMES) for value in keys[key]] for key in keys}, index=keys.index)
 
 
-def _text(value):
+def _text(value, is_name):
     if pd.isna(value):
         return ""
     text = str(value)
-    return text.removesuffix(".0") if isinstance(value, float) or text[:-2].isdigit() else text
+    return text if is_name or not text[:-2].isdigit() else text.removesuffix(".0")
 
 
 def _sortable(column):

@@ -59,11 +59,12 @@ def _positive(option, text, unit, needed, bare=False, least=None):
     return value
 
 
-def check_writable(output: Path, *inputs, endings=()) -> None:
+def check_writable(output: Path, *inputs, endings=(), is_replaced=True) -> None:
     """Raise OSError if the output cannot be written, before any work is done.
 
     inputs: files that the command reads, or None. ValueError if the output is one of them, because it would be lost, or
-    if its name ends in none of the `endings`, such as .yaml.
+    if its name ends in none of the `endings`, such as .yaml. is_replaced: whether the file is written beside the output
+    and then replaces it, which would destroy a device or a pipe.
     """
     for read in inputs:
         if read is not None and output.exists() and Path(read).exists() and output.samefile(read):
@@ -72,7 +73,7 @@ def check_writable(output: Path, *inputs, endings=()) -> None:
         raise ValueError(f"{output} must end in {' or '.join(endings)}; give another name")
     if output.is_dir():
         raise ValueError(f"{output} is a folder; give the name of a file in it")
-    if output.exists() and not output.is_file():
+    if is_replaced and output.exists() and not output.is_file():
         raise ValueError(f"{output} is a device or a pipe, and not a file; give another path")
     try:
         output.parent.mkdir(parents=True, exist_ok=True)

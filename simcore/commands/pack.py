@@ -97,7 +97,7 @@ def _check_log(options):
     read = [options.specification]
     with contextlib.suppress(ValueError, OSError):  # a faulty specification has its message later
         read += source_files(read_specification(options.specification)["grains"])
-    check_writable(options.log, *read)
+    check_writable(options.log, *read, is_replaced=False)
     if options.log.resolve() == options.output.resolve():
         raise ValueError(f"--log: {options.log} is the file of the packing; give another path")
 

@@ -113,7 +113,7 @@ class FramesKeeper(Keeper):
 
 
 def _write_series(path, frames, key):
-    """Write a .pvd file; frames: (time [s], path) of each; key: of the packing, which stands in a comment."""
+    """Write a .pvd file; frames: (time [s], path) of each; key: of the packing, which is written in a comment."""
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
     root.append(ElementTree.Comment(_OF_PACKING + key))
     collection = ElementTree.SubElement(root, "Collection")
@@ -132,6 +132,6 @@ def _read_series(path, key):
         if f"<!--{_OF_PACKING}{key}-->" not in text:
             return []
         sets = ElementTree.fromstring(text).iter("DataSet")
-        return [(float(one.get("timestep")), path.parent / one.get("file")) for one in sets]
+        return [(float(item.get("timestep")), path.parent / item.get("file")) for item in sets]
     except (OSError, ElementTree.ParseError, ValueError, TypeError):  # a damaged file, or one of another program
         return []

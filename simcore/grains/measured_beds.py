@@ -168,7 +168,8 @@ def read_measured_beds(path, case=None, column=None, sieve=None, curves=None, de
         if percent:
             least, remedy = f"{100 * LEAST_ERROR:g} %", "; if they are fractions, remove % from its header"
         notices.append(
-            f"{table.path}: all n_error are below {least}, less than a measurement of porosity can reach{remedy}"
+            f"{table.path}: all n_error are below {least}, which few measurements of porosity reach; check their "
+            f"unit{remedy}"
         )
     return beds, notices
 

@@ -12,6 +12,7 @@ import pandas as pd
 
 from simcore.evaluation.confidence import error_of_mean, student_quantile
 from simcore.grains.measured_beds import form_key
+from simcore.models.scatter import with_constant
 
 BEDS_NEEDED = {"offset": 3, "rescaling": 6}
 # A bed with a leverage above this determines a coefficient alone, so that it cannot be predicted from the others.
@@ -105,8 +106,8 @@ def for_single_beds(candidate, repeats, repeat_scatter):
     lost = _lost_in_means(repeats, repeat_scatter)
     scatter = float(np.sqrt(model.scatter**2 + lost))
     changes = {"scatter": scatter, "degrees_of_freedom": _freedom(model, lost, np.asarray(repeats))}
-    if getattr(model, "scatter_line", None) is not None and model.scatter > 0.0:
-        changes["scatter_line"] = tuple(scatter / model.scatter * value for value in model.scatter_line)
+    if getattr(model, "scatter_line", None) is not None:
+        changes["scatter_line"] = with_constant(model.scatter_line, lost)
     return candidate._replace(model=replace(model, **changes))
 
 
@@ -116,6 +117,11 @@ def _freedom(model, lost, repeats):
     of_means = model.scatter**2 * (1.0 + fitted / len(repeats))
     divided = of_means**2 / model.freedom + lost**2 / np.sum(repeats - 1)
     return float((of_means + lost) ** 2 / divided) if divided > 0.0 else float(model.freedom)
+
+
+def freedom_text(model):
+    """Return the degrees of freedom of a model of `for_single_beds`, which need not be whole."""
+    return f"{model.freedom:.0f}" if float(model.freedom).is_integer() else f"{model.freedom:.1f}"
 
 
 def scatter_of_means(model, repeats, repeat_scatter):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from simcore.grains.text_columns import text_columns
+from simcore.models.measured_candidates import freedom_text
 from simcore.models.measured_curves import LITERATURE, OURS
 from simcore.models.measured_text_parts import (
     describe_errors,
@@ -65,7 +66,7 @@ def _describe_choice(fit):
     text = (
         f"The chosen model is the {fit.chosen.kind} of our model: n = {model.coefficients[0]:+.4f} + {factor}n_model. "
         "It is the simplest one whose error is within one standard error of the smallest. Single beds scatter about it "
-        f"by {model.scatter:.4f}, with {model.freedom:.3g} degrees of freedom."
+        f"by {model.scatter:.4f}, with {freedom_text(model)} degrees of freedom."
     )
     if fit.base_error <= fit.chosen.error:
         text += " These beds give no reason to correct our model: as it is, its error is not larger."

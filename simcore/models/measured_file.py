@@ -115,7 +115,7 @@ def _read_model(entry):
     if values["scatter_line"] is not None:
         line = tuple(map(float, values["scatter_line"]))
         line = with_least(line, values["scatter"]) if len(line) == 2 else line  # of files of earlier versions
-        if len(line) != 3:
+        if len(line) != 4:
             raise ValueError
         values["scatter_line"] = line
     size = len(values["features"]) + 1

@@ -8,7 +8,7 @@ import numpy as np
 
 from simcore.grains.text_columns import text_columns
 from simcore.models.correction import CORRECTIONS
-from simcore.models.measured_candidates import BEDS_NEEDED
+from simcore.models.measured_candidates import BEDS_NEEDED, freedom_text
 from simcore.models.measured_curves_text import curves_as_plain, describe_curves
 from simcore.models.measured_file import MEASURED
 from simcore.models.measured_text_parts import (
@@ -116,7 +116,7 @@ def _describe_choice(case):
     what = f"the {kind} of {_name(case.base)}" if kind in CORRECTIONS else "the fit of the features"
     text = (
         f"The chosen model is {what}: {formula}. It is the simplest one whose error is within one standard error of "
-        f"the smallest. Single beds scatter about it by {model.scatter:.4f}, with {model.freedom:.3g} degrees of "
+        f"the smallest. Single beds scatter about it by {model.scatter:.4f}, with {freedom_text(model)} degrees of "
         "freedom."
     )
     if case.base_error <= case.chosen.error:
@@ -195,19 +195,29 @@ def _describe_terms(case):
 
 def _describe_weaker(case, upper):
     """Return a clause on a factor below 1, which errors of the measured forms lower too; upper: end of its interval."""
-    errors, predicted = case.beds.form_error.to_numpy(), case.beds.predicted.to_numpy()
+    errors = case.beds.form_error.to_numpy()
     if not np.isfinite(errors).all():
         return (
             "form has a weaker effect than in our model, or few grains of each bed were measured, because errors of "
             "the measured forms lower this factor too"
         )
-    expected = max(1.0 - np.mean(errors**2) / np.var(predicted, ddof=1), 0.0)
+    expected = expected_factor(case.beds)
     if upper < expected or not errors.any():
         return "form has a weaker effect than in our model"
     return (
         f"because only some grains of each bed were measured, {expected:.2f} is expected if form has the same effect "
         "as in our model, so these beds do not show a weaker one"
     )
+
+
+def expected_factor(beds):
+    """Return the factor of a rescaling that errors of the forms let expect if the model is right; beds: as in CaseFit.
+
+    The expectation of the inverse variance of n beds is 1/variance with the divisor n - 3.
+    """
+    predicted = beds.predicted.to_numpy()
+    variance = np.sum((predicted - predicted.mean()) ** 2) / (len(beds) - 3)
+    return max(1.0 - np.mean(beds.form_error.to_numpy() ** 2) / variance, 0.0)
 
 
 def _coefficients(model):

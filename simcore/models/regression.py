@@ -154,12 +154,12 @@ class PorosityModel:
     lower, upper: 95 % confidence intervals by least squares; bootstrap_lower, bootstrap_upper: the same by the
     bootstrap, nan for fewer than LEAST_FOR_BOOTSTRAP samples. covariance (m+1, m+1): of the coefficients. scatter:
     standard deviation of the samples about the model, corrected for the degrees of freedom of the model; scatter_line:
-    intercept and slope of the scatter over the first feature, and the least scatter, if it grows with this feature,
-    else None (simcore.models.scatter); rmse: root mean square residual over the samples of the fit. minimum, maximum
-    (m,): of each feature over these samples. mean_absolute_error, median_absolute_error: cross-validated errors, nan
-    without cross-validation; form_mixture_error: the mean one over the beds with a distribution of form, if there are
-    others too, else None. degrees_of_freedom: of the scatter, if some coefficients were not fitted to the samples
-    (simcore.models.correction); None: n_samples minus the number of coefficients.
+    intercept and slope of the scatter over the first feature, its least value and its constant part, if it grows with
+    this feature, else None (simcore.models.scatter); rmse: root mean square residual over the samples of the fit.
+    minimum, maximum (m,): of each feature over these samples. mean_absolute_error, median_absolute_error:
+    cross-validated errors, nan without cross-validation; form_mixture_error: the mean one over the beds with a
+    distribution of form, if there are others too, else None. degrees_of_freedom: of the scatter, if some coefficients
+    were not fitted to the samples (simcore.models.correction); None: n_samples minus the number of coefficients.
     """
 
     name: str

@@ -12,11 +12,12 @@ LEAST = 0.5  # of the scatter over all samples: the least one of any form
 
 
 def scatter_line(design, residuals):
-    """Return the scatter as a line over the first feature, (intercept, slope, least), or None if it does not grow.
+    """Return the scatter as a line over the first feature, (intercept, slope, least, 0), or None if it does not grow.
 
-    least is the scatter where the line is below it. design (n, m + 1): as of PorosityModel.design; residuals (n,). The
-    sizes of the residuals, each for its leverage, are fitted by a line (Glejser's test); the line is scaled so that the
-    residuals over it have unit variance.
+    least is the scatter where the line is below it; the last value is a part that is the same for all forms, which is
+    added in quadrature. design (n, m + 1): as of PorosityModel.design; residuals (n,). The sizes of the residuals, each
+    for its leverage, are fitted by a line (Glejser's test); the line is scaled so that the residuals over it have unit
+    variance.
     """
     # Imported here because it loads slowly and a prediction needs no fit.
     from scipy.stats import linregress
@@ -31,7 +32,7 @@ def scatter_line(design, residuals):
     expected = np.maximum(line.intercept + line.slope * x, LEAST * sizes.mean())
     factor = np.sqrt(np.mean(np.square(sizes / expected)))
     scatter = np.sqrt(np.sum(np.square(residuals)) / (len(residuals) - design.shape[1]))
-    return float(factor * line.intercept), float(factor * line.slope), float(LEAST * scatter)
+    return float(factor * line.intercept), float(factor * line.slope), float(LEAST * scatter), 0.0
 
 
 def line_of_row(row):
@@ -41,16 +42,21 @@ def line_of_row(row):
 
 
 def with_least(line, scatter):
-    """Return the line (intercept, slope) of a fit with its third value; scatter: over all samples of the fit."""
-    return *line, LEAST * scatter
+    """Return the line (intercept, slope) of a fit with its other values; scatter: over all samples of the fit."""
+    return *line, LEAST * scatter, 0.0
+
+
+def with_constant(line, variance):
+    """Return a line whose scatter has another part that is the same for all forms, of this variance."""
+    return *line[:3], float(np.sqrt(line[3] ** 2 + variance))
 
 
 def scatter_of(design, scatter, line):
     """Return the scatter (n,) for rows of a design; scatter: over all samples; line: from scatter_line, or None."""
     if line is None:
         return np.full(len(design), scatter)
-    intercept, slope, least = line
-    return np.maximum(intercept + slope * design[:, 1], least)
+    intercept, slope, least, constant = line
+    return np.hypot(np.maximum(intercept + slope * design[:, 1], least), constant)
 
 
 def covariance_of(design, scatter):

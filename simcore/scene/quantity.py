@@ -62,7 +62,10 @@ def parse_quantity(text, unit):
         article = "an" if name and name[0] in "aeiou" else "a"
         raise ValueError(f"'{text}' is {f'{article} {name}' if name else 'another kind of quantity'}; {needed}")
     number = float(match[1])  # a Fraction of 1e-999999999 would be computed for hours
-    value = float(Fraction(match[1]) * factor) if math.isfinite(number) and number else number
+    try:
+        value = float(Fraction(match[1]) * factor) if math.isfinite(number) and number else number
+    except OverflowError:
+        value = math.inf
     if not math.isfinite(value):
         raise ValueError(f"'{text}' is not finite; {needed}")
     return value

@@ -4,7 +4,8 @@ import re
 
 import yaml
 
-MOST_VALUES = 1_000_000  # with all aliases written out; a large campaign has about 10 000
+MAX_VALUES = 1_000_000  # with all aliases written out; a large campaign has about 10 000
+_RESOLVER = yaml.resolver.Resolver()
 
 
 class UnsuitableYAML(ValueError):
@@ -15,12 +16,14 @@ def check_nodes(path, document) -> None:
     """Raise UnsuitableYAML with the line if the composed document of the file at `path` is unsuitable.
 
     A key occurs twice in a group, of which YAML would use the last one; a number has a leading 0 or a colon, which YAML
-    reads as octal or to the base 60; an alias contains itself, or all of them expand to more than MOST_VALUES.
+    reads as octal or to the base 60; a value has a tag other than !!str; an alias contains itself, or there are more
+    than MAX_VALUES values.
     """
     nodes, checked = [document], set()
     while nodes:
         node = nodes.pop()
         if isinstance(node, yaml.ScalarNode):
+            _check_tag(path, node)
             _check_number(path, node)
         if not isinstance(node, yaml.CollectionNode) or id(node) in checked:
             continue
@@ -30,8 +33,8 @@ def check_nodes(path, document) -> None:
         else:
             nodes += [part for pair in node.value for part in pair]
             _check_keys(path, node)
-    if document is not None and _count(path, document, {}) > MOST_VALUES:
-        raise UnsuitableYAML(f"{path}: its aliases expand to more than {MOST_VALUES} values; write fewer of them")
+    if document is not None and _count(path, document, {}) > MAX_VALUES:
+        raise UnsuitableYAML(f"{path}: it has more than {MAX_VALUES} values with all aliases; write fewer of them")
 
 
 def _check_keys(path, group):
@@ -46,12 +49,19 @@ def _check_keys(path, group):
             lines[key.value] = line
 
 
+def _check_tag(path, node):
+    without = _RESOLVER.resolve(yaml.ScalarNode, node.value, (node.style is None, node.style is not None))
+    if node.tag not in (without, "tag:yaml.org,2002:str"):
+        tag = node.tag.replace("tag:yaml.org,2002:", "!!")
+        raise UnsuitableYAML(f"{path}, line {_line(node)}: the tag {tag} of {node.value!r} has no use here; remove it")
+
+
 def _check_number(path, node):
     number = node.tag in ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
     if not number or node.style is not None:
         return
     if re.fullmatch(r"[-+]?0[0-7_]+", node.value):
-        decimal = node.value.replace("_", "").lstrip("+-0") or "0"
+        decimal = int(node.value.replace("_", ""))
         raise UnsuitableYAML(
             f"{path}, line {_line(node)}: YAML reads {node.value} as an octal number; write {decimal}, or in quotation "
             "marks if it is text"

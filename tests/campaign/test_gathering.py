@@ -204,7 +204,7 @@ def test_a_number_is_the_same_beside_words_and_empty_cells(tmp_path):
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("names", [("007", "008"), ("1e5", "NA"), ("12", "nan")])
+@pytest.mark.parametrize("names", [("007", "008"), ("1e5", "NA"), ("12", "nan"), ("1", "1.0")])
 def test_names_of_grains_that_look_like_numbers_are_text(tmp_path, names):
     rows, beds = [], []
     for name in names:

@@ -174,11 +174,12 @@ def test_errors_that_no_measurement_reaches_are_questioned(read):
         return found
 
     (notice,) = notices(36, 0.003, " [%]")
-    assert "all n_error are below 0.1 %, less than a measurement" in notice and notice.endswith(
-        "remove % from its header"
+    assert (
+        "all n_error are below 0.1 %, which few measurements of porosity reach; check their unit" in notice
+        and notice.endswith("remove % from its header")
     )
     (notice,) = notices(0.36, 1e-6)
-    assert notice.endswith("all n_error are below 0.001, less than a measurement of porosity can reach")
+    assert notice.endswith("all n_error are below 0.001, which few measurements of porosity reach; check their unit")
     assert notices(36, 0.3, " [%]") == notices(0.36, 0.003) == []
 
 

@@ -104,12 +104,12 @@ def test_the_slopes_of_an_inexact_model_count_with_the_distance_from_the_beds():
 def test_the_scatter_grows_as_that_of_the_model_that_is_corrected():
     """Beds of compact grains determine the scatter of long ones by the law of the model; it is scaled to these beds."""
     rng = np.random.default_rng(3)
-    base = replace(exact(base_model(rng)), scatter=0.004, scatter_line=(-0.001, 0.002, 0.002))
+    base = replace(exact(base_model(rng)), scatter=0.004, scatter_line=(-0.001, 0.002, 0.002, 0.0))
     forms = random_forms(4000, rng, (1.6, 1.15), (2.2, 1.3))
     own = 0.5 * (-0.001 + 0.002 * forms.EQ_inv)
     measured = base.predict(forms) + 0.01 + own * rng.normal(size=4000)
     model, _ = correct_model(base, "offset", forms, measured, "measured", "U1")
-    np.testing.assert_allclose(model.scatter_line, (-0.0005, 0.001, 0.001), rtol=0.05)
+    np.testing.assert_allclose(model.scatter_line, (-0.0005, 0.001, 0.001, 0.0), rtol=0.05)
     n, _, upper = model.predict_interval(pd.DataFrame({"EQ_inv": [4.0], "EL_inv": [1.5]}))
     assert (upper - n).item() == pytest.approx(1.96 * 0.0035, rel=0.05)
 
@@ -118,7 +118,7 @@ def test_the_scatter_grows_as_that_of_the_model_that_is_corrected():
 def test_errors_of_the_coefficients_are_those_of_repeated_fits_if_the_scatter_grows(kind):
     """With one scatter for all beds, the error of the factor would be a quarter too small."""
     rng = np.random.default_rng(7)
-    base = replace(exact(base_model(rng)), scatter=0.004, scatter_line=(-0.003, 0.003, 0.001))
+    base = replace(exact(base_model(rng)), scatter=0.004, scatter_line=(-0.003, 0.003, 0.001, 0.0))
     forms = random_forms(12, rng, (1.3, 1.1), (4.0, 1.8))
     own = np.maximum(-0.003 + 0.003 * forms.EQ_inv, 0.001)
     drawn = [

@@ -14,11 +14,13 @@ from simcore.grains.measured_beds import MeasuredBed
 from simcore.grains.measured_forms import Sample, read_measured
 from simcore.models.files import models_dataset
 from simcore.models.fitting import FittedModels, fit_reference_models, read_campaign_models
+from simcore.models.measured_candidates import freedom_text
 from simcore.models.measured_file import read_measured_models, write_measured_models
 from simcore.models.measured_fit import Candidate, MeasuredFit, average_repeats, choose, fit_case, left_out_errors
 from simcore.models.measured_fit_text import describe_fit, sentences
 from simcore.models.measured_plausibility import question_beds
 from simcore.models.prediction import predict_samples
+from simcore.models.scatter import scatter_of
 from simcore.models.single_form import single_form_models
 from tests.helpers.reference_rows import porosity_of_form, random_forms, sample_of_one_form
 
@@ -207,24 +209,40 @@ def test_nearly_dependent_features_leave_the_corrections(fitted):
     assert "the beds do not differ enough to separate EQ_inv, EL_inv" in result.candidates[-1].reason
 
 
+@pytest.mark.parametrize("grows", [False, True])
 @pytest.mark.parametrize("repeats", [(2, 2, 2), (5, 5, 5), (1, 1, 10)])
-def test_intervals_of_few_repeated_beds_contain_a_single_bed_as_often_as_stated(fitted, repeats):
-    """With the degrees of freedom of three means they would contain 0.99."""
-    rng, beds, inside = np.random.default_rng(8), beds_of_one_form(3, ours), []
+def test_intervals_of_few_repeated_beds_contain_a_single_bed_as_often_as_stated(fitted, repeats, grows):
+    """With the degrees of freedom of three means they would contain 0.99; if scatter grows, all forms do so."""
+    line = (-0.003, 0.003, 0.001, 0.0) if grows else None
+    model = replace(fitted.models["single_form", "U1"], scatter=0.004, scatter_line=line)
+    base = FittedModels({("single_form", "U1"): model}, {})
+    forms = pd.DataFrame({"EQ_inv": [1.4, 2.0, 2.6], "EL_inv": [1.1, 1.5, 1.3]})
+    beds = [
+        MeasuredBed(sample_of_one_form(row.EL_inv / row.EQ_inv, 1 / row.EL_inv), n, np.nan, "U1")
+        for row, n in zip(forms.itertuples(), model.predict(forms), strict=True)
+    ]
+    scatter = scatter_of(model.design(forms), 0.003, line)
+    rng, inside = np.random.default_rng(8), []
     for _ in range(250):
-        shifts = 0.003 * rng.normal(size=4)
+        shifts = scatter * rng.normal(size=3)
         rows = [
             replace(bed, n=bed.n + shift + 0.004 * rng.normal())
-            for bed, shift, number in zip(beds, shifts[1:], repeats, strict=True)
+            for bed, shift, number in zip(beds, shifts, repeats, strict=True)
             for _ in range(number)
         ]
-        offset = fit_case(rows, "U1", fitted).candidates[0].model
+        offset = fit_case(rows, "U1", base).candidates[0].model
         assert offset.freedom > 2
-        new = pd.DataFrame({"EQ_inv": [1 / beds[0].sample.mu_EQ], "EL_inv": [1 / beds[0].sample.mu_EL]})
-        n, lower, upper = offset.predict_interval(new)
-        truth = beds[0].n + shifts[0] + 0.004 * rng.normal(size=20)
-        inside.append(np.mean((lower <= truth) & (truth <= upper)))
-    assert 0.90 < np.mean(inside) < 0.975
+        n, lower, upper = offset.predict_interval(forms)
+        truth = model.predict(forms) + rng.normal(size=(20, 3)) * scatter + 0.004 * rng.normal(size=(20, 3))
+        inside.append(np.mean((lower <= truth) & (truth <= upper), axis=0))
+    of_beds = np.mean(inside, axis=0)
+    assert 0.90 < of_beds.min() and of_beds.max() < 0.985, of_beds
+
+
+def test_degrees_of_freedom_are_whole_or_have_one_digit(fitted):
+    single = fit_case(beds_of_one_form(1200, ours, scatter=0.004), "U1", fitted)
+    assert freedom_text(single.model) == f"{single.model.freedom:.0f}" and single.model.freedom > 1190
+    assert freedom_text(replace(single.model, degrees_of_freedom=17.34)) == "17.3"
 
 
 def write_table(path, beds, **columns):

@@ -141,7 +141,7 @@ def test_an_overlap_at_rest_replaces_the_elastic_constants():
     """The stiffness is then that of the overlap, and without springs Poisson's ratio changes nothing."""
     hertz = {"law": "hertz", "overlap_at_rest": 1e-4, "poisson_ratio": 0.3}
     with pytest.raises(
-        ValueError, match="material.poisson_ratio: it has no effect without friction or with a friction_l"
+        ValueError, match="material.poisson_ratio: it has no effect without friction, or with a friction_l"
     ):
         resolve(merge(BED, {"material": {**hertz, "friction_law": "viscous"}}), unused="refuse")
     resolve(merge(BED, {"material": hertz, "numerics": {"dashpot": "explicit"}}), unused="refuse")
