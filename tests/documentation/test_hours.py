@@ -7,7 +7,7 @@ from simcore.paths import REFERENCE, ROOT
 
 STUDIES = {
     "63 single forms, U1": ("single_form", "synthetic"),
-    "twenty-three packings of single forms": ("single_form_wide", "synthetic"),
+    "twenty-four packings of single forms": ("single_form_wide", "synthetic"),
     "63 scans, U1": ("single_form", "scans"),
     "ellipsoids of the 63 forms": ("equivalent_ellipsoids", "synthetic"),
     "52 mixtures, U1": ("form_mixtures", "synthetic"),

@@ -117,7 +117,7 @@ def test_how_much_of_the_effect_of_form_remains():
     packed = [
         f"{slopes.loc[PACKED_FORMS, case]:.2f} ± {slopes.loc[PACKED_FORMS, case + '_std_error']:.2f}" for case in CASES
     ]
-    words = f"{'; '.join(packed)} in packings of eleven and twelve forms; {'; '.join(ours)} by that formula"
+    words = f"{'; '.join(packed)} in packings of twelve forms each; {'; '.join(ours)} by that formula"
     assert states(FINDINGS, f"| {words} | {'; '.join(theirs)} |")
     for page in (PLAN, HOW_TO):
         assert states(page, *ours, f"{theirs[0]} and {theirs[1]}")
