@@ -59,13 +59,12 @@ def correct_model(base, kind, features, porosity, name, case):
     slope = 1.0 if kind == "offset" else result.params[1]
     coefficients = result.params @ G + (own if kind == "offset" else 0.0)
     remaining = np.eye(len(own)) - (np.linalg.pinv(columns) @ design).T @ G
-    own_scatter = scatter_of(design, base.scatter, base.scatter_line)
-    residual = np.eye(len(y)) - columns @ np.linalg.pinv(columns)
-    # The residuals over the scatter have this sum of squares on average if the beds have the scatter of `base`.
-    expected = np.sum((residual * own_scatter / own_scatter[:, None]) ** 2)
-    growth = float(np.sqrt(np.sum((result.resid / own_scatter) ** 2) / expected))
-    grows = base.scatter_line is not None
-    fitted_covariance = covariance_of(columns, growth * own_scatter) if grows else result.cov_params()
+    fitted_covariance, line = result.cov_params(), None
+    if base.scatter_line is not None:
+        own_scatter = scatter_of(design, base.scatter, base.scatter_line)
+        growth = _growth(columns, result.resid, own_scatter)
+        fitted_covariance = covariance_of(columns, growth * own_scatter)
+        line = tuple(growth * value for value in base.scatter_line)
     covariance = G.T @ fitted_covariance @ G + slope**2 * remaining.T @ np.array(base.covariance) @ remaining
     errors = np.sqrt(np.diag(covariance))
     half = student_quantile(0.95, result.df_resid) * errors
@@ -83,7 +82,7 @@ def correct_model(base, kind, features, porosity, name, case):
         bootstrap_upper=unknown,
         covariance=tuple(map(tuple, covariance.tolist())),
         scatter=scatter,
-        scatter_line=tuple(growth * value for value in base.scatter_line) if grows else None,
+        scatter_line=line,
         minimum=base.minimum,
         maximum=base.maximum,
         r_squared=float(1.0 - result.ssr / np.sum((y - y.mean()) ** 2)) if varies(y) else np.nan,
@@ -92,3 +91,14 @@ def correct_model(base, kind, features, porosity, name, case):
         degrees_of_freedom=int(result.df_resid),
     )
     return model, Fitted(result.params, fitted_covariance, int(result.df_resid))
+
+
+def _growth(columns, residuals, scatter):
+    """Return the scatter of measured beds over that of the model that is corrected.
+
+    columns (n, k): regressors; residuals (n,): of the fit; scatter (n,): of the model at the beds.
+    """
+    projection = np.eye(len(residuals)) - columns @ np.linalg.pinv(columns)
+    # The residuals over the scatter have this sum of squares on average if the beds have the scatter of the model.
+    expected = np.sum((projection * scatter / scatter[:, None]) ** 2)
+    return float(np.sqrt(np.sum((residuals / scatter) ** 2) / expected))

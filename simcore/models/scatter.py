@@ -32,7 +32,7 @@ def scatter_line(design, residuals):
     expected = np.maximum(line.intercept + line.slope * x, LEAST * sizes.mean())
     factor = np.sqrt(np.mean(np.square(sizes / expected)))
     scatter = np.sqrt(np.sum(np.square(residuals)) / (len(residuals) - design.shape[1]))
-    return float(factor * line.intercept), float(factor * line.slope), float(LEAST * scatter), 0.0
+    return with_least((float(factor * line.intercept), float(factor * line.slope)), float(scatter))
 
 
 def line_of_row(row):
